@@ -47,15 +47,22 @@ struct EstimatorLimits {
   PersonalFieldLimits personal_field;
   /// How it is filled. If null, there is no such field, and 2 kB of code are not linked.
   Status (Cascade::*personalise)(const float* q) = &Cascade::personalise;
-  /// If not empty, at least adaptation_bytes: memory in which `start` adapts the mesh, and which others may
-  /// use between starts. `start` then returns capacity for options with mesh_operations. Empty: the estimator
-  /// has memory of its own for that.
+  /// If not empty, at least adaptation_bytes at an address that is a multiple of Arena::kAlignment: memory in which `start`
+  /// adapts the mesh, and which others may use between starts. `start` then returns capacity for options with mesh_operations.
+  /// Empty: the estimator has memory of its own for that.
   Span<unsigned char> adaptation_memory;
 };
 
 /// Bytes that the adaptation of a mesh takes at most (EstimatorLimits::vertices).
 constexpr std::size_t adaptation_bytes(std::uint16_t vertices) {
   return std::size_t{48} * vertices + 128;  // Adapter, and the alignment of its arrays
+}
+
+/// create_in refuses limits whose memory for adaptation is too small or not aligned (arena.hpp).
+inline bool is_usable(const EstimatorLimits& limits) {
+  const Span<unsigned char>& memory = limits.adaptation_memory;
+  return memory.empty() || (memory.data != nullptr && memory.count >= adaptation_bytes(limits.vertices) &&
+                            Arena(memory.data, memory.count).is_aligned());
 }
 
 /// The same limits without a field of the person.

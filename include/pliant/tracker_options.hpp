@@ -29,8 +29,9 @@ inline Status check(const TrackerOptions& o) {
   return o.marker_exclusion_px >= 0 ? check(o.estimator) : Status::bad_argument;
 }
 
-/// A landmark by the model's name for it (`ibug30`, `nose_tip`, ...), and where it is seen.
-struct NamedPoint {
+/// A landmark by the model's name for it (`ibug30`, `nose_tip`, ...), and where it is seen. It may alias the pliant_point of a
+/// caller in C: without that, optimisation of a whole program may leave out what that caller has written.
+struct [[gnu::may_alias]] NamedPoint {
   const char* name = nullptr;  ///< of a landmark
   Vec2 x;                      ///< px
 };

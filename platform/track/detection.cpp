@@ -21,10 +21,8 @@ std::size_t read_bytes(const Model& model, const TrackerLimits& limits) {
 
 }  // namespace
 
-/// The tracker takes the other calls from the table that laid out its DetectionState.
-const Detection kUprightDetection{lay_out, check_bytes, nullptr,       nullptr, nullptr,    nullptr,
-                                  nullptr, nullptr,     &kFaceModules, nullptr, read_bytes, nullptr};
-const Detection kDetection{lay_out, check_bytes, nullptr,       nullptr, nullptr,    nullptr,
-                           nullptr, nullptr,     &kRolledFaces, nullptr, read_bytes, nullptr};
+// The tracker makes its calls through the table of whichever has laid its DetectionState out.
+const Detection kUprightDetection{lay_out, check_bytes, read_bytes, &kFaceModules};
+const Detection kDetection{lay_out, check_bytes, read_bytes, &kRolledFaces};
 
 }  // namespace pliant

@@ -5,7 +5,7 @@
 
 namespace pliant {
 
-void DetectionState::lay_out(Arena& arena, const Detection* of, const Model& model,
+void DetectionState::lay_out(Arena& arena, const DetectionCalls* of, const Model& model,
                              const TrackerLimits& limits) {
   calls = of;
   kept.lay_out(arena, model);

@@ -11,14 +11,14 @@
 
 namespace pliant {
 
-struct Detection;
+struct DetectionCalls;
 struct FaceModules;
 struct TrackerParts;
 
 /// What a tracker keeps for starts of its own: the common part. In the arena, if the limits name a detection
 /// that the model has tables for.
 struct DetectionState {
-  const Detection* calls = nullptr;
+  const DetectionCalls* calls = nullptr;
   KeptStart kept;
   const StartOptions* of_caller = nullptr;  // while the caller starts
   MarkerPlace* markers = nullptr;           // of a track that ended, for the next one of the same surface
@@ -26,7 +26,7 @@ struct DetectionState {
   void (*restore_markers)(TrackerParts& tracker) = nullptr;  // while the tracker starts by itself; else null
 
   bool is_own_start() const { return restore_markers != nullptr; }
-  void lay_out(Arena& arena, const Detection* of, const Model& model, const TrackerLimits& limits);
+  void lay_out(Arena& arena, const DetectionCalls* of, const Model& model, const TrackerLimits& limits);
   /// Ends the track, and keeps the options for the starts that follow.
   void begin_search(TrackerParts& tracker, const StartOptions& start, const TrackerOptions& options);
   /// Starts the track of what a search found, with the parameters of TrackerParts::start_q and the markers that are kept.
@@ -53,9 +53,8 @@ struct RoughStart {
   const StartOptions& options;
 };
 
-/// The calls of a tracker. It makes them through this table only, so that a program whose limits name no
-/// table does not link what is behind it. `lay_out` and `check_bytes` are called on the table of the limits,
-/// the others on DetectionState::calls.
+/// What TrackerLimits::detection names. A tracker reaches detection through it alone, so that a program whose limits name none
+/// does not link what is behind it.
 struct Detection {
   /// Takes a DetectionState from the arena. \param search_bytes  out: what a search takes of the memory of the tracking.
   /// \return null if the arena measures, is exhausted, or the model has no tables.
@@ -63,6 +62,13 @@ struct Detection {
                              std::size_t* search_bytes);
   /// Bytes that a check takes of unused memory. 0 without tables.
   std::size_t (*check_bytes)(const Model& model, const TrackerLimits& limits);
+  /// Bytes of scratch that DetectionCalls::read_parts takes. Null: none.
+  std::size_t (*read_bytes)(const Model& model, const TrackerLimits& limits);
+  const FaceModules* modules;  ///< of faces; null elsewhere
+};
+
+/// The calls of a tracker to what has laid its DetectionState out.
+struct DetectionCalls {
   /// Ends the track and forgets the person. Keeps the options for the starts that follow.
   void (*begin_search)(TrackerParts& tracker, const StartOptions& start, const TrackerOptions& options);
   /// A frame without a track: searches it. The track of what is found begins with this frame.
@@ -76,12 +82,9 @@ struct Detection {
   void (*begin_track)(TrackerParts& tracker, const FrameView& frame, const TrackerOptions& options);
   /// Ends a frame of a track. Verifies it, and gives it up if it is wrong, or has been lost for some frames.
   void (*conclude)(TrackerParts& tracker, const FrameView& frame);
-  const FaceModules* modules;  ///< of faces; null elsewhere
   /// In a frame of a track, before its last solve: tells the estimator what learnt readers see of parts of
   /// the surface. Null: there are none.
   void (*read_parts)(TrackerParts& tracker, const FrameView& frame);
-  /// Bytes of scratch that it takes. Called on the table of the limits. Null: none.
-  std::size_t (*read_bytes)(const Model& model, const TrackerLimits& limits);
   /// The person has changed: the readings of the parts differ from the model by more, as each landmark's offset does.
   /// \param moved  of each landmark, mm, model's axes. Null: there are none.
   void (*keep_parts)(TrackerParts& tracker, const Vec3* moved);

@@ -52,7 +52,7 @@ inline bool FaceChecks::check(const FrameView& frame, Estimator& estimator, Span
     return ++bad_ < kTuning.most_bad_checks;
   }
   bad_ = 0;
-  ++good_;
+  good_ += !has_confirmed();  // more make no difference
   landmark_error_ = landmark_error_ > 0
                         ? landmark_error_ + kTuning.error_rate * (face.landmark_error - landmark_error_)
                         : face.landmark_error;

@@ -23,10 +23,12 @@ bool is_available(const Model& model, const TrackerLimits& limits) {
          limits.detection->modules->is_available(model);
 }
 
+extern const DetectionCalls kFaceCalls;
+
 }  // namespace
 
 void FaceDetectionState::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-  DetectionState::lay_out(arena, &kUprightFaceDetection, model, limits);
+  DetectionState::lay_out(arena, &kFaceCalls, model, limits);
   face_search.lay_out(arena, model, limits);
   checks.lay_out(limits);
   if (limits.second_look != nullptr) look = limits.second_look->lay_out(arena, model, limits);
@@ -63,14 +65,14 @@ void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptio
 Status search(TrackerParts& t, const FrameView& view) {
   FaceDetectionState& self = face_detection_of(t);
   t.budget = {};
-  if (!t.block_is_of_search) {
+  if (!t.block.is_of_search) {
     new (&t.estimator) Estimator();
     self.face_search.begin();
-    t.block_is_of_search = true;
+    t.block.is_of_search = true;
   }
   StartPose found;
-  Status status =
-      self.face_search.search({view, t.block, self.kept.start}, &person_of(t), &found, &self.landmark_error);
+  Status status = self.face_search.search({view, t.block.bytes, self.kept.start}, &person_of(t), &found,
+                                          &self.landmark_error);
   if (status != Status::ok) return status == Status::not_found ? Status::ok : status;
   TrackerOptions options = self.kept.options;
   // To refine the mesh takes as long as two frames of the track, which does not depend on it.
@@ -90,7 +92,7 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
   self.marker_count = 0;
   self.face_search.forget_reference();
   if (rough.points >= kFaceSearchTuning.enough_points) return;
-  self.face_search.refine({view, t.block, rough.options}, rough.box, &person_of(t), from,
+  self.face_search.refine({view, t.block.bytes, rough.options}, rough.box, &person_of(t), from,
                           &self.landmark_error);
   t.lay_out_tracking();
 }
@@ -105,10 +107,10 @@ void give_up(TrackerParts& t) {
 
 void conclude(TrackerParts& t, const FrameView& view) {
   FaceDetectionState& self = face_detection_of(t);
-  t.result.gaze = self.parts != nullptr && t.bad_frames == 0 ? self.parts->gaze : Vec3{};
+  t.result.gaze = self.parts != nullptr && t.progress.bad_frames == 0 ? self.parts->gaze : Vec3{};
   constexpr float kWork = kFaceChecksTuning.check_work;
   WaitingWork& check = t.budget.check;
-  const bool is_bad = t.bad_frames > 0;
+  const bool is_bad = t.progress.bad_frames > 0;
   bool goes_on = is_bad;
   if (!is_bad) {
     const bool checks = self.checks.is_due() && t.budget.take(check, kWork);
@@ -118,7 +120,7 @@ void conclude(TrackerParts& t, const FrameView& view) {
   const SecondLook* const second = self.look != nullptr ? t.limits.second_look : nullptr;
   if (goes_on && second != nullptr && second->conclude(t, view)) return;
   if (is_bad)
-    goes_on = self.checks.endure(t.result, t.bad_frames, t.key_frames.count()) &&
+    goes_on = self.checks.endure(t.result, t.progress.bad_frames, t.key_frames.count()) &&
               (second == nullptr || !second->is_over(t));
   if (!goes_on) give_up(t);
   if (t.result.state == TrackState::tracking && self.poor_start.is_doubtful(t.result.landmark_error))
@@ -181,7 +183,7 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
   if (self.keep_start_of_caller(options))
     self.person.is_known = false;
   else if (!self.person.is_known)
-    ++t.person_number;
+    ++t.numbers.person;
   self.last_read_ns = view.time_ns;
   calibrate_parts(t, view);
   self.poor_start.begin(t.result.tracked, t.limits.patches, view, t.estimator);
@@ -193,13 +195,12 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
   conclude(t, view);
 }
 
+const DetectionCalls kFaceCalls{begin_search, search,   end_search, refine,
+                                begin_track,  conclude, read_parts, keep_parts};
+
 }  // namespace
 
-const Detection kUprightFaceDetection{lay_out,       bytes_of_check, begin_search,     search,
-                                      end_search,    refine,         begin_track,      conclude,
-                                      &kFaceModules, read_parts,     bytes_of_reading, keep_parts};
-/// The tracker takes all calls but those of the table of the limits from the other one.
-const Detection kFaceDetection{lay_out, bytes_of_check, nullptr,       nullptr, nullptr,          nullptr,
-                               nullptr, nullptr,        &kRolledFaces, nullptr, bytes_of_reading, nullptr};
+const Detection kUprightFaceDetection{lay_out, bytes_of_check, bytes_of_reading, &kFaceModules};
+const Detection kFaceDetection{lay_out, bytes_of_check, bytes_of_reading, &kRolledFaces};
 
 }  // namespace pliant

@@ -6,18 +6,16 @@
 
 namespace pliant {
 
-/// Tuning of the budget of a frame. Its size is in TrackerTuning.
+/// Tuning of the budget of a frame. Its size is in TrackerTuning. What other values gave: docs/experiments.md, Budget.
 struct FrameBudgetTuning {
   /// Frames that rare work waits, count. Round value, not tuned.
   int most_waited = 4;
-  /// Fraction of the budget that may be reserved. With 0.7, which a change of the person fits into, turned heads
-  /// (docs/experiments.md) had 1.75 (95 %: 4.19) instead of 1.66 (4.10) degrees.
+  /// Fraction of the budget that may be reserved. With 0.7, which a change of the person fits into, turned heads had larger errors.
   float most_reserved = 0.5f;
-  /// Fraction of what the coarse translation leaves that searches may take: the rest is left to solves and rare work. With 0.8
-  /// one frame of 3,800 with 500 templates took 2.2 times the median.
+  /// Fraction of what the coarse translation leaves that searches may take: the rest is left to solves and rare work. With 0.8 a
+  /// frame took more than twice the median.
   float most_of_searches = 0.55f;
-  /// Searches take no more than this fraction of what reserved work leaves besides. With 0.55 turned heads had 4.33 instead of 4.07
-  /// degrees at 95 %.
+  /// Searches take no more than this fraction of what reserved work leaves besides. With 0.55 turned heads had larger errors.
   float most_of_searches_if_reserved = 0.8f;
 };
 inline constexpr FrameBudgetTuning kFrameBudgetTuning{};

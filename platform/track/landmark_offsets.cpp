@@ -1,5 +1,7 @@
 #include "track/landmark_offsets.hpp"
 
+#include <limits>
+
 #include "base/arrays.hpp"
 #include "model/ibug_names.hpp"
 #include "track/landmark_fit.hpp"
@@ -9,7 +11,7 @@ namespace pliant {
 
 namespace {
 
-constexpr float kIsPending = 1;
+constexpr float kIsPending = std::numeric_limits<float>::infinity();  // as z: no offset has it
 
 bool is_at(const Landmark& landmark, Vec2 uv) {
   return landmark.u == uv.x && landmark.v == uv.y;

@@ -107,7 +107,7 @@ void gather(TrackerParts& t, std::size_t interval, PersonEquations& equations, A
   equations.lay_out(scratch, s.rows.count());
   equations.reset();
   s.rows.begin(scratch, t.model(), t.estimator.view(), t.estimator.parameters().data);
-  std::size_t seen = t.frame, slot = 0;
+  std::size_t seen = t.progress.frame, slot = 0;
   for (std::size_t k = 0; k < t.observation_count; ++k) {
     Observation o = t.observations[k];
     if (!is_usable(o) || seen++ % interval != 0) continue;
@@ -168,7 +168,7 @@ bool choose_step(PersonState& s, const Model& model, float* q, Vec3* turn) {
 
 bool is_due(const TrackerParts& t, std::size_t view) {
   const bool is_known = t.person->estimate.frames(view) == kPersonEstimateTuning.most_frames;
-  return t.frame - t.person->taken_frame >=
+  return t.progress.frame - t.person->taken_frame >=
          (is_known ? kTuning.interval_when_known : kTuning.interval_frames);
 }
 
@@ -187,14 +187,14 @@ void take_frame(TrackerParts& t, std::size_t view) {
   gather(t, interval, equations, scratch);
   note_now(t);
   s.estimate.add(view, equations, s.now);
-  s.taken_frame = t.frame;
+  s.taken_frame = t.progress.frame;
 }
 
 /// Whether a step towards the estimate has to be chosen: it has changed since the last one.
 bool is_step_due(const TrackerParts& t) {
   const PersonState& s = *t.person;
   return !s.step.is_under_way && s.taken_frame > s.step_frame &&
-         t.frame - s.step_frame >= kTuning.step_frames && s.estimate.is_usable();
+         t.progress.frame - s.step_frame >= kTuning.step_frames && s.estimate.is_usable();
 }
 
 /// Chooses the next step, if there is room for it.
@@ -207,7 +207,7 @@ void plan_step(TrackerParts& t) {
   PersonEquations equations;
   note_now(t);
   gather_landmarks(t, equations, scratch);
-  s.step_frame = t.frame;
+  s.step_frame = t.progress.frame;
   if (!s.estimate.solve(s.start_q, s.sd, equations, s.best)) return;
   copy(t.estimator.parameters().data, t.start_q.count, s.step.q);
   if (choose_step(s, t.model(), s.step.q, &s.step.turn)) begin_step(t, &s.step);

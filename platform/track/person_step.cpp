@@ -3,7 +3,6 @@
 #include "estimate/visible_surface.hpp"
 #include "track/person_refinement.hpp"
 #include "track/person_rows.hpp"
-#include "track/surface_offset.hpp"
 #include "track/tracker_parts.hpp"
 #include "track/tracker_sizes.hpp"
 
@@ -66,15 +65,15 @@ float person_step_work(const Model& model, const TrackerLimits& limits) {
 void begin_step(TrackerParts& t, PersonStep* step) {
   step->is_under_way = true;
   step->prepared = 0;
-  step->prepared_frame = t.frame + 1;
+  step->prepared_frame = t.progress.frame + 1;
   t.estimator.forget_person();
 }
 
 bool prepare_step(TrackerParts& t, PersonStep* step) {
   PersonStep& s = *step;
-  if (t.last_kept >= s.prepared_frame) {
+  if (t.progress.last_kept >= s.prepared_frame) {
     s.prepared = 0;
-    s.prepared_frame = t.frame + 1;
+    s.prepared_frame = t.progress.frame + 1;
   }
   for (std::size_t k = 0; k < t.start_q.count; ++k)
     if (t.model().parameters()[k].group == Group::expression) s.q[k] = t.estimator.parameters()[k];
@@ -113,12 +112,12 @@ bool take_step(TrackerParts& t, PersonStep* step) {
     t.detection->calls->keep_parts(t, places.moved);
   t.markers.keep_all(*t.key_frames.view_of(0), e, places.markers);
   ++s.count;
-  s.changed_frame = t.frame;
+  s.changed_frame = t.progress.frame;
   return true;
 }
 
 bool is_settled(const TrackerParts& t, const PersonStep& step) {
-  return step.count == 0 || t.frame - step.changed_frame > kVisibleSurfaceTuning.renewal_frames;
+  return step.count == 0 || t.progress.frame - step.changed_frame > kVisibleSurfaceTuning.renewal_frames;
 }
 
 }  // namespace pliant

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <new>
+#include <type_traits>
 
 #include "pliant/pliant.h"
 #include "pliant/tracker.hpp"
@@ -20,10 +21,24 @@ static_assert(static_cast<int>(Status::isolated_vertex) == PLIANT_ISOLATED_VERTE
 static_assert(static_cast<int>(Status::not_found) == PLIANT_NOT_FOUND);
 static_assert(static_cast<int>(TrackState::lost) == PLIANT_LOST);
 static_assert(static_cast<int>(BoxConvention::face_box) == PLIANT_BOX_FACE);
-// Arrays of these are handed on as they are.
-static_assert(sizeof(NamedPoint) == sizeof(pliant_point) &&
-              offsetof(NamedPoint, x) == offsetof(pliant_point, x));
-static_assert(sizeof(Vec3) == 3 * sizeof(float));
+/// Whether arrays of one type may be read as arrays of the other, if their members have the same types at the same places.
+template <class A, class B>
+constexpr bool have_one_layout() {
+  return sizeof(A) == sizeof(B) && alignof(A) == alignof(B) && std::is_standard_layout_v<A> &&
+         std::is_standard_layout_v<B> && std::is_trivially_copyable_v<A> && std::is_trivially_copyable_v<B>;
+}
+// The caller's arrays are of any length and are handed on as they are: there is no memory for copies of them. To the standard
+// they stay arrays of the C types. A NamedPoint may alias them (may_alias), and a Vec3 is read and written as the floats that it
+// is made of.
+static_assert(have_one_layout<NamedPoint, pliant_point>());
+static_assert(std::is_same_v<decltype(NamedPoint::name), decltype(pliant_point::landmark)> &&
+              std::is_same_v<decltype(Vec2::x), decltype(pliant_point::x)>);
+static_assert(offsetof(NamedPoint, name) == offsetof(pliant_point, landmark) &&
+              offsetof(NamedPoint, x) + offsetof(Vec2, x) == offsetof(pliant_point, x) &&
+              offsetof(NamedPoint, x) + offsetof(Vec2, y) == offsetof(pliant_point, y));
+static_assert(have_one_layout<Vec3, float[3]>() && std::is_same_v<decltype(Vec3::x), float>);
+static_assert(offsetof(Vec3, x) == 0 && offsetof(Vec3, y) == sizeof(float) &&
+              offsetof(Vec3, z) == 2 * sizeof(float));
 
 pliant_status plain(Status status) {
   return static_cast<pliant_status>(status);

@@ -40,7 +40,8 @@ void PoorStart::begin(std::size_t captured, std::size_t most, const FrameView& f
   const Light light = is_poor ? light_on(frame, estimator) : Light{};
   start_grey_ = light.grey;
   clipped_ = light.clipped;
-  frames_ = changed_count_ = 0;
+  frames_ = 0;
+  changed_count_ = 0;
 }
 
 bool PoorStart::is_over(const FrameView& frame, Estimator& estimator) {

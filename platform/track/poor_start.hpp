@@ -2,6 +2,7 @@
 /// \file poor_start.hpp
 /// A track that began where light left little of the face to be seen (docs/algorithms.md, section 7.15).
 #include <cstddef>
+#include <cstdint>
 
 #include "pliant/estimator.hpp"
 #include "pliant/frame.hpp"
@@ -33,7 +34,8 @@ struct PoorStartTuning {
   /// Frames from one measurement of the light to the next, count; and measurements that must show a change: in a row, since one
   /// alone may be a flash; where light hid the face, in all, since light that pulses shows more of it again and again. The face
   /// then is right again within ten frames, the search included. Round values.
-  int interval_frames = 2, measurements = 3;
+  std::uint32_t interval_frames = 2;
+  int measurements = 3;
   /// The grey is measured at one landmark in so many, count. Round value.
   std::size_t landmark_step = 4;
 };
@@ -59,7 +61,8 @@ class PoorStart {
  private:
   float start_grey_ = -1;  // negative: the start was not poor
   float clipped_ = 0;      // fraction of the landmarks at a poor start; 0 else
-  int frames_ = 0, changed_count_ = 0;
+  std::uint32_t frames_ = 0;  // may wrap around
+  int changed_count_ = 0;     // of measurements
 };
 
 }  // namespace pliant

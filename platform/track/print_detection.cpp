@@ -41,6 +41,8 @@ struct PrintStartTuning {
 };
 constexpr PrintStartTuning kTuning;
 
+extern const DetectionCalls kPrintCalls;
+
 struct PrintDetectionState : DetectionState {
   PrintTable table;
   PrintFinder* finder = nullptr;  // in the block, while there is no track
@@ -50,7 +52,7 @@ struct PrintDetectionState : DetectionState {
   bool is_confirmed = true;
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-    DetectionState::lay_out(arena, &kPrintDetection, model, limits);
+    DetectionState::lay_out(arena, &kPrintCalls, model, limits);
     const bool has_albedo = model.albedo().pixels != nullptr;
     if (PrintTable::open(model.print(), &table) != Status::ok || !has_albedo) table = {};
   }
@@ -100,11 +102,11 @@ bool accepts_template(void* tracker, const FrameRegion& region, Vec2 uv, const P
 /// Lays the search out in the memory of the tracking, if that has it now.
 PrintFinder& finder_of(TrackerParts& t) {
   PrintDetectionState& self = self_of(t);
-  if (t.block_is_of_search && self.finder != nullptr) return *self.finder;
+  if (t.block.is_of_search && self.finder != nullptr) return *self.finder;
   new (&t.estimator) Estimator();
-  Arena arena(t.block.data, t.block.count);
+  Arena arena(t.block.bytes.data, t.block.bytes.count);
   self.finder = create_part<PrintFinder>(arena, t.table, t.limits.width, t.limits.height);
-  t.block_is_of_search = true;
+  t.block.is_of_search = true;
   return *self.finder;
 }
 
@@ -181,8 +183,8 @@ void give_up(TrackerParts& t) {
 void conclude(TrackerParts& t, const FrameView& view) {
   PrintDetectionState& self = self_of(t);
   if (!self.table.is_open()) return;
-  if (t.bad_frames > 0) {
-    if (t.bad_frames >= kTuning.most_bad_frames) give_up(t);
+  if (t.progress.bad_frames > 0) {
+    if (t.progress.bad_frames >= kTuning.most_bad_frames) give_up(t);
     return;
   }
   if (++self.frames_since_check >= kPrintTuning.check_interval_frames) check(t, view);
@@ -205,9 +207,11 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
   doubt(t);
 }
 
+const DetectionCalls kPrintCalls{begin_search, search,   end_search, refine,
+                                 begin_track,  conclude, nullptr,    nullptr};
+
 }  // namespace
 
-const Detection kPrintDetection{lay_out,     check_bytes, begin_search, search,  end_search, refine,
-                                begin_track, conclude,    nullptr,      nullptr, nullptr,    nullptr};
+const Detection kPrintDetection{lay_out, check_bytes, nullptr, nullptr};
 
 }  // namespace pliant

@@ -123,7 +123,7 @@ bool realign(TrackerParts& t, const FrameView& frame) {
   measured.q = detection.face_search.room().q;
   if (t.estimator.accept(measured, &t.result) != Status::ok) return false;
   t.key_frames.trust(t.estimator);
-  t.bad_frames = 1;  // in a row: the templates may fail as long as they like
+  t.progress.bad_frames = 1;  // in a row: the templates may fail as long as they like
   detection.checks.see();
   tell_worth(t.estimator.view(), face.landmark_error, false, &t.result);
   if (++look.realigned < kTuning.most_frames) return true;

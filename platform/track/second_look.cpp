@@ -103,7 +103,7 @@ bool is_free(const TrackerParts& t) {
 }
 
 bool conclude(TrackerParts& t, const FrameView& frame) {
-  if (t.bad_frames > 0) return realign(t, frame);
+  if (t.progress.bad_frames > 0) return realign(t, frame);
   FaceDetectionState& detection = face_detection_of(t);
   SecondLookState& look = *detection.look;
   look.realigned = 0;

@@ -1,6 +1,7 @@
 #pragma once
 /// \file template_tuning.hpp
-/// Tuning of template matching. Each constant: unit, reason, experiment.
+/// Tuning of template matching. Each constant: unit, reason, experiment (docs/experiments.md: what other values gave is in Budget
+/// for a frame's work, in Templates and key frames for the rest).
 #include <cstddef>
 #include <cstdint>
 
@@ -13,26 +14,22 @@ struct TrackerTuning {
   std::uint16_t least_templates = 6;
   /// The budget of a frame (FrameBudget): the work of so many search steps a template (in frames 320 px wide; in proportion to
   /// the width, since templates are that many more pixels away), passes over all observations, and factorisations. With it
-  /// the slowest frame of films with the faults of `pliant bench faults` takes about twice the median (recorded face, its fourth
-  /// clip: 1.83 times, 1.83 with 500 templates and 1,900 vertices, 1.97 with profile S). With 4.5 steps, 2.5 passes and 1.8
-  /// million for the person turned heads (docs/experiments.md, heads 60 to 79 and 20 to 27), started from landmarks,
-  /// had 2.11 and 2.64 instead of 2.03 and 1.92 degrees at 95 %. With as few steps at 720 x 576 as at 360 x 288 the
-  /// searches of nearly every frame ended early: the recorded face trembled by 0.22 instead of 0.11 px. These figures are those of
-  /// 5.33 steps; 5.6 are the same work since tracking there and back counts as two searches (docs/experiments.md, Work of a frame).
+  /// the slowest frame of films with the faults of `pliant bench faults` takes about twice the median (docs/evaluation.md, Work of
+  /// a frame). With less turned heads had larger errors; with as few steps in larger frames searches ended early, and the face
+  /// trembled.
   float most_steps_a_template = 5.6f, most_passes = 3, most_factorisations = 60;
   /// More of it for springs, passes. A sheet with 12 shapes takes 4 in a usual frame, and evaluates them twice as often. With 3 the
-  /// frames that a key frame has waited for ended after one step: residuals of 1.1 px, where others have 0.25; with 8 they
-  /// have 0.24 to 0.32.
+  /// frames that a key frame has waited for ended after one step.
   float most_spring_passes = 8;
-  /// More of it where the person is estimated, instructions. With 2.75 million the same heads had 2.14 and 2.12 degrees.
+  /// More of it where the person is estimated, instructions. With less and with more turned heads had larger errors.
   float most_for_person = 2.35e6f;
   /// Work of a key frame for each pixel that is searched for corners, and for each vertex under them, instructions as
   /// WorkCosts. Counted by callgrind.
   float corner_pixel = 20, corner_vertex = 1750;
   /// Places at which a later key frame tries to capture a template, for each of its slots: what it waits for, and what it makes
-  /// if it has waited too long. On rendered heads that turn 37 key frames tried 1 to 1.5 for each free slot. If they wait for
-  /// room for 4 only, they come earlier, and an occluder (tests/system/corruption_test.cpp) and turns with profile S
-  /// (tests/unit/track/tracker_keys_test.cpp) are followed worse.
+  /// if it has waited too long. Key frames of rendered heads need fewer. If they wait for room for 4 only, they come earlier, and
+  /// an occluder (tests/system/corruption_test.cpp) and turns with profile S (tests/unit/track/tracker_keys_test.cpp) are followed
+  /// worse.
   std::size_t tries_a_slot = 8, tries_if_overdue = 2;
 };
 inline constexpr TrackerTuning kTrackerTuning{};
@@ -50,15 +47,13 @@ struct TemplateStoreTuning {
   /// window, near its edge. Round value, not tuned.
   float bend_reach = 0.4f;
   /// Depth of the surface in a window behind its middle, at most, mm. At least it is 0: around hollows, corners of
-  /// the eyes and wings of the nose, positions do not follow the paraboloid; on rendered heads that turn
-  /// (docs/experiments.md) the errors at 95 % were 3.97 and 2.92 degrees with negative depths, 3.71 and 2.73
-  /// without. 3 is a round value: what lies deeper is no paraboloid.
+  /// the eyes and wings of the nose, positions do not follow the paraboloid, and turned heads had larger errors with negative
+  /// depths. 3 is a round value: what lies deeper is no paraboloid.
   float most_depth_mm = 3;
   /// Standard deviation of the ramp of light over a window (PatchOptions::ramp_sd) where the head has turned by a right angle
   /// since the key frame, grey levels a mm; less by the sine of the turn. Lamps stay where they are, and so a surface that
-  /// curves gets brighter on one side. Twenty rendered heads that turn, whose identity is given, had 0.67 (95 %: 2.00) degrees
-  /// without, 0.53 (1.63) with 0.5, 0.50 (1.39) with 1, 0.49 (1.49) with 2; 0.33 (0.86) without in even light. The same from
-  /// every angle has as small errors there, but the Talking Face video 2.50 instead of 2.44 %: a ramp costs information.
+  /// curves gets brighter on one side. With it turned heads have a quarter less error. The same ramp from every angle has as small
+  /// errors there, but larger ones on the video: a ramp costs information (Tried at turned heads).
   float ramp_grey_per_mm = 1;
   /// The least one that is allowed for, grey levels a px. Round value, not tuned.
   float least_ramp_sd = 0.1f;
@@ -87,8 +82,7 @@ struct TemplateMatchTuning {
   /// Fraction of a point's residual in the last frame that is added to its prediction. Model errors last from frame to
   /// frame; less than all of it, so that a point that slips does not go on slipping. Not tuned.
   float residual_memory = 0.7f;
-  /// Steps that the preparation of a search counts as: callgrind counted 2,200 to 8,000 instructions a search, and 1,600 to 2,300 a
-  /// step, on the recorded face with profiles S, M and L.
+  /// Steps that the preparation of a search counts as: what callgrind counted for it over what it counted for a step (Budget).
   std::uint32_t preparation_steps = 3;
   /// Normalised cross-correlation with the template, at least, in the last round. Chosen on rendered films
   /// with occluders.

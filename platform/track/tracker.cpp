@@ -42,9 +42,9 @@ void TrackerParts::lay_out_tracking(Arena& arena, TrackerParts* parts, const Mod
 
 /// The same in the block, whatever has used it.
 void TrackerParts::lay_out_tracking() {
-  Arena arena(block.data, block.count);
+  Arena arena(block.bytes.data, block.bytes.count);
   lay_out_tracking(arena, this, table, limits);
-  block_is_of_search = false;
+  block.is_of_search = false;
 }
 
 void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
@@ -72,7 +72,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   impl_->start_q = q;
   for (float& value : q) value = 0;
   impl_->offsets.clear();
-  impl_->block = {block, larger(needed, tracking)};
+  impl_->block.bytes = {block, larger(needed, tracking)};
   impl_->detection = detection;
   impl_->noise = noise;
   impl_->person = person;
@@ -139,13 +139,13 @@ const FrameView& TrackerParts::quiet(const FrameView& view) {
 }
 
 Status TrackerParts::track(const FrameView& view) {
-  budget.begin(bad_frames == 0);
-  if (edges_wait) start_edges();
+  budget.begin(progress.bad_frames == 0);
+  if (progress.edges_wait) start_edges();
   const Status status = predict(view);
   if (status != Status::ok) return status;
   match_and_solve(view);
   conclude();
-  if (person != nullptr && bad_frames == 0) limits.person->conclude(*this);
+  if (person != nullptr && progress.bad_frames == 0) limits.person->conclude(*this);
   if (detection != nullptr) detection->calls->conclude(*this, view);
   return status;
 }
@@ -173,15 +173,16 @@ void TrackerParts::note_work() {
 
 /// Where the model is expected, and the image there.
 Status TrackerParts::predict(const FrameView& view) {
-  ++frame;
+  ++progress.frame;
   key_frames.take(view);
   estimator.begin(view.time_ns);
-  const CoarseMotion motion = key_frames.find_motion(bad_frames);
+  const CoarseMotion motion = key_frames.find_motion(progress.bad_frames);
   budget.work.coarse_pixels = motion.compared_pixels;
   if (motion.from != nullptr) estimator.propose(*motion.from);
   if (motion.is_found) estimator.translate(motion.by_px);
-  const bool is_trusted = bad_frames == 0;
-  matcher.begin_frame(frame, is_trusted, motion.is_found && is_trusted ? length(motion.by_px) : kUnknownPx);
+  const bool is_trusted = progress.bad_frames == 0;
+  matcher.begin_frame(progress.frame, is_trusted,
+                      motion.is_found && is_trusted ? length(motion.by_px) : kUnknownPx);
   limit_searches();
   limit_solves();
   region.advance();
@@ -209,7 +210,7 @@ std::size_t TrackerParts::run_round(int round) {
     prediction_index[predictions.all[i].id] = static_cast<std::uint16_t>(i);
   std::size_t searched = matcher.match(match_frame(), predictions, round);
   observation_count = matcher.observation_count();
-  if (round + 1 == kTemplateMatchTuning.rounds && uses_edges) {
+  if (round + 1 == kTemplateMatchTuning.rounds && progress.uses_edges) {
     const std::size_t n = (edges->*limits.edges->match)(
         predictions, region, estimator.view().s,
         {observations.data + observation_count, observations.count - observation_count});
@@ -227,20 +228,20 @@ void TrackerParts::conclude() {
   const bool is_good = result.state == TrackState::tracking;
   matcher.end_frame(match_frame(), is_good);
   constexpr int kMostBadFrames = 1000000;  // nothing counts that far
-  bad_frames = is_good ? 0 : smaller(bad_frames + 1, kMostBadFrames);
+  progress.bad_frames = is_good ? 0 : smaller(progress.bad_frames + 1, kMostBadFrames);
   if (!is_good) return;
   const std::size_t of_templates = matcher.observation_count();
-  if (uses_edges)
+  if (progress.uses_edges)
     (edges->*limits.edges->end_frame)({observations.data + of_templates, observation_count - of_templates});
   key_frames.trust(estimator);
-  texture.note_frame(estimator, region, frame);
+  texture.note_frame(estimator, region, progress.frame);
   keep_key_frame();
 }
 
 /// Keeps this frame as a key frame, if it shows the head from a new side: second templates for points that look different
 /// by now, and new points where the surface was hidden before. Waits for a frame with room.
 void TrackerParts::keep_key_frame() {
-  const std::size_t key = key_frames.choose(estimator.view(), result, frame);
+  const std::size_t key = key_frames.choose(estimator.view(), result, progress.frame);
   if (key == 0) {
     budget.key_frame = {};
     return;
@@ -251,8 +252,8 @@ void TrackerParts::keep_key_frame() {
   if (!budget.take(budget.key_frame, work_of(tries), work_of(few))) return;
   const std::size_t begin = first_slot(limits, key), end = first_slot(limits, key + 1);
   for (std::size_t slot = begin; slot < end; ++slot) templates.release(slot, estimator);
-  key_frames.keep(key, estimator.view(), result.rms_px, frame);
-  last_kept = frame;
+  key_frames.keep(key, estimator.view(), result.rms_px, progress.frame);
+  progress.last_kept = progress.frame;
   const std::size_t free = templates.capture_second(
       limits.patches, begin, begin + (end - begin) / kTemplateStoreTuning.second_template_divisor, estimator,
       region);
@@ -277,11 +278,11 @@ bool Tracker::is_started() const {
 }
 
 std::uint32_t Tracker::track_number() const {
-  return impl_ == nullptr ? 0 : impl_->track_number;
+  return impl_ == nullptr ? 0 : impl_->numbers.track;
 }
 
 std::uint32_t Tracker::person_number() const {
-  return impl_ == nullptr ? 0 : impl_->person_number;
+  return impl_ == nullptr ? 0 : impl_->numbers.person;
 }
 
 const FrameWork& Tracker::work() const {

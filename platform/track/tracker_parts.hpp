@@ -49,6 +49,26 @@ struct GivenByCaller {
   bool landmarks = false;  // by place_landmarks
 };
 
+/// How far a track is.
+struct TrackProgress {
+  std::uint32_t frame = 0;      // 0 at the start
+  std::uint32_t last_kept = 0;  // frame that became a key frame
+  int bad_frames = 0;           // in a row
+  bool uses_edges = false;
+  bool edges_wait = false;  // for the next frame, to start
+};
+
+/// As of Tracker.
+struct TrackNumbers {
+  std::uint32_t track = 0, person = 0;
+};
+
+/// Memory of search, fit and tracking, one at a time.
+struct SharedBlock {
+  Span<unsigned char> bytes;
+  bool is_of_search = false;  // else of the tracking, which is laid out in it
+};
+
 /// The estimator and the parts that work on images share their memory with what runs while there is no track:
 /// the search for a face, and the fit of a start.
 struct TrackerParts : ImageParts {
@@ -58,7 +78,7 @@ struct TrackerParts : ImageParts {
   Model table;
   Span<float> start_q;
   LandmarkOffsets offsets;
-  Span<unsigned char> block;  // of search, fit and tracking
+  SharedBlock block;
   DetectionState* detection =
       nullptr;  // null: the limits name no detection, or the model has no learnt tables
 
@@ -70,16 +90,11 @@ struct TrackerParts : ImageParts {
   FrameResult result;
   FrameBudget budget;
   FrameOrder order;
-  std::uint32_t frame = 0;
-  std::uint32_t last_kept = 0;  // frame that became a key frame
-  std::uint32_t track_number = 0, person_number = 0;  // as of Tracker
-  int bad_frames = 0;           // in a row
-  bool uses_edges = false, smooths = false;
-  bool edges_wait = false;  // for the next frame, to start
-  bool is_started = false;
+  TrackNumbers numbers;
+  TrackProgress progress;
+  bool is_started = false, smooths = false;
   GivenByCaller given;
   bool keeps_landmark_offsets = true;  // as TrackerOptions
-  bool block_is_of_search = false;     // else of the tracking, which is laid out in it
 
   const Model& model() const { return table; }
   MatchFrame match_frame() { return {templates, region, observations, {&key_frames, &estimator.view()}}; }

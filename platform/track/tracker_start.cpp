@@ -24,7 +24,12 @@ bool is_near(Vec2 x) {
   return magnitude(x.x) <= kFarthestPx && magnitude(x.y) <= kFarthestPx;
 }
 
-/// The same with a copy of the camera: that of the track which ends is in memory that the start uses.
+/// Whether a focal length is 0, unknown, or one that a camera can have (is_possible, camera.hpp), px.
+bool is_focal_length(float px) {
+  return px >= 0 && px <= 1e7f;
+}
+
+/// The same options with a copy of the camera: that of the track which ends is in memory that the start uses.
 StartOptions with_copy(const StartOptions& start, Camera* camera) {
   StartOptions copy = start;
   if (start.camera == nullptr) return copy;
@@ -80,7 +85,7 @@ void TrackerParts::begin_stream() {
 template <class Fit>
 Status TrackerParts::fit_before_tracking(Fit&& fit) {
   end_track();
-  Arena before(block.data, block.count);
+  Arena before(block.bytes.data, block.bytes.count);
   const Status status = fit(before);
   lay_out_tracking();
   return status;
@@ -109,13 +114,13 @@ Status TrackerParts::start_at_fit(Status fitted, const FrameView& frame_0, const
 Status TrackerParts::start(const FrameView& view, const StartPose& from, const TrackerOptions& with,
                            Span<const Vec2> marker_places) {
   end_track();
-  if (block_is_of_search) detection->calls->end_search(*this);
+  if (block.is_of_search) detection->calls->end_search(*this);
   EstimatorOptions of_estimator = with.estimator;
   of_estimator.time_ns = view.time_ns;
   texture.start(&of_estimator);
   Status status = estimator.start(from.camera, view.width, view.height, from.pose, start_q.data, with.is_free,
                                   of_estimator);
-  uses_edges = edges != nullptr && with.estimator.uses(Cue::edge);
+  progress.uses_edges = edges != nullptr && with.estimator.uses(Cue::edge);
   if (status == Status::ok) status = capture_frame_0(view, marker_places, with.marker_exclusion_px);
   if (status != Status::ok) {  // the search that follows is as the caller said, where the camera is one
     if (detection != nullptr && status != Status::bad_argument) detection->keep_start_of_caller(with);
@@ -124,15 +129,15 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const T
   smooths = with.estimator.smooths;
   if (smooths) result.smoothed_pose = result.pose;
   order.note(view);
-  frame = last_kept = 0;
-  bad_frames = 0;
+  progress.frame = progress.last_kept = 0;
+  progress.bad_frames = 0;
   budget.costs = estimator.work_costs(limits.patch_window);
   budget.most = most_frame_work(limits, budget.costs, spring_rows(model(), limits));
   matcher.start(limits.keeps_previous && with.estimator.uses(Cue::flow));
   is_started = true;
-  ++track_number;
+  ++numbers.track;
   if (detection == nullptr || !detection->is_own_start()) {
-    ++person_number;
+    ++numbers.person;
     keeps_landmark_offsets = with.keeps_landmark_offsets;
   }
   if (keeps_landmark_offsets)
@@ -145,7 +150,7 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const T
 }
 
 std::size_t TrackerParts::start_edges() {
-  edges_wait = false;
+  progress.edges_wait = false;
   return (edges->*limits.edges->start)(estimator, region);
 }
 
@@ -169,8 +174,9 @@ Status TrackerParts::capture_frame_0(const FrameView& view, Span<const Vec2> mar
     captured = static_cast<std::uint16_t>(captured + templates[k].is_used);
   std::size_t points = captured;
   // A start is the longest frame. Edges are not needed before the next one, and its picture is kept until then.
-  edges_wait = uses_edges && limits.keeps_previous && points >= kTrackMonitorTuning.least_inliers;
-  if (uses_edges && !edges_wait) points += start_edges();
+  progress.edges_wait =
+      progress.uses_edges && limits.keeps_previous && points >= kTrackMonitorTuning.least_inliers;
+  if (progress.uses_edges && !progress.edges_wait) points += start_edges();
   if (captured < kTrackerTuning.least_templates || points < kTrackMonitorTuning.least_inliers)
     return Status::too_few_points;
   result = {TrackState::tracking,
@@ -212,7 +218,7 @@ Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoi
   if (status == Status::ok && points.count > t.limits.start_points) status = Status::capacity;
   if (status == Status::ok && points.count < kLandmarkFitTuning.least_points) status = Status::too_few_points;
   if (status == Status::ok) status = t.check_landmarks(points);
-  if (status == Status::ok && !(start.focal_px >= 0)) status = Status::bad_argument;
+  if (status == Status::ok && !is_focal_length(start.focal_px)) status = Status::bad_argument;
   if (status != Status::ok) return status;
   FitOptions fit;
   fit.width = frame.width;
@@ -234,8 +240,8 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
   if (impl_ == nullptr) return Status::not_started;
   Impl& t = *impl_;
   Status status = t.check_start(frame, options, markers);
-  if (status == Status::ok && !(start.focal_px >= 0 && size.x > 0 && size.y > 0 && is_near(corner) &&
-                                is_near(size) && start.box <= BoxConvention::face_box))
+  if (status == Status::ok && !(is_focal_length(start.focal_px) && size.x > 0 && size.y > 0 &&
+                                is_near(corner) && is_near(size) && start.box <= BoxConvention::face_box))
     status = Status::bad_argument;
   if (status != Status::ok) return status;
   t.offsets.clear();
@@ -262,7 +268,7 @@ Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptio
   Lens unused;
   const Camera camera = start_camera(start.camera, start.focal_px, t.limits.width, t.limits.height);
   const Pose anywhere{{}, {0, 0, 1000}};
-  if (!(start.focal_px >= 0) || !is_possible(anywhere, camera) ||
+  if (!is_focal_length(start.focal_px) || !is_possible(anywhere, camera) ||
       Lens::make(camera, t.limits.width, t.limits.height, &unused) != Status::ok ||
       check(options) != Status::ok)
     return Status::bad_argument;

@@ -29,8 +29,8 @@ class NoiseFilter {
   /// Bytes: width * height, and five lines of 2 bytes a pixel.
   void lay_out(Arena& arena, int width, int height);
 
-  /// The frame itself, if it has little noise. Else a copy, smoothed by the binomial [1 4 6 4 1]²/256, valid until the next call.
-  /// Cost: the places, and 14 additions a pixel of a noisy frame.
+  /// The frame itself, if it has little noise. Else a copy, smoothed by the binomial [1 4 6 4 1]/16 along rows and columns, valid
+  /// until the next call. Cost: the places, and 14 additions a pixel of a noisy frame.
   const FrameView& smoothed(const FrameView& frame);
   /// The next frame is of another stream.
   void forget() { is_smoothing_ = false; }

@@ -127,7 +127,8 @@ Status BaseMeshMaker::orient(Span<const Vec2> uv, Winding winding) {
 Status BaseMeshMaker::prepare(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
                               Span<const Vec3> position) {
   vertex_count_ = face_count_ = input_vertices_ = 0;
-  if (corners_ == nullptr || (!position.empty() && position.count != uv.count)) return Status::bad_argument;
+  const bool has_positions = position.data != nullptr && position.count == uv.count;
+  if (corners_ == nullptr || !(position.empty() || has_positions)) return Status::bad_argument;
   MeshLimits input;
   input.vertices = limits_.vertices;
   input.faces = limits_.faces;

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "base/elementary.hpp"
-#include "pliant/robust.hpp"
 
 namespace pliant {
 

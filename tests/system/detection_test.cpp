@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include "aligned_block.hpp"
 #include "baked_model.hpp"
+#include "c_result.hpp"
 #include "face/rolled_detector.hpp"
 #include "host/commands/plan.hpp"
 #include "host/io/files.hpp"
@@ -272,4 +274,36 @@ TEST_CASE("where there is no face for long, none is found, and one that comes th
   int frames = 0;
   while (frames < 6 && run.show(drifting({150, 180}, 1.2f, 0)) == TrackState::lost) ++frames;
   CHECK(frames < 6);
+}
+
+TEST_CASE("a search and what learnt tables tell of a face are the same in C: every field of a result") {
+  const host::MappedFile table(PLIANT_DETECTING_FACE);
+  pliant_limits of_c = pliant_profile('M');
+  of_c.width = kWidth;
+  of_c.height = kHeight;
+  std::size_t bytes = 0;
+  REQUIRE(pliant_required_bytes(table.data(), table.size_bytes(), &of_c, &bytes) == PLIANT_OK);
+  AlignedBlock block(bytes);
+  pliant_tracker* t = nullptr;
+  REQUIRE(pliant_create(block.data(), bytes, table.data(), table.size_bytes(), &of_c, &t) == PLIANT_OK);
+  Run run;
+  bool searches = false, has_error = false, has_gaze = false;
+  for (std::size_t k = 0; k < 45; ++k) {
+    CAPTURE(k);
+    const Place place = k < 2 || (k > 15 && k < 25) ? Place{} : drifting({150, 180}, 1.2f, k);
+    const Picture picture = draw(place, run.frame);
+    const pliant_frame frame{
+        picture.pixels.data(), kWidth, picture.view(run.frame).time_ns, kWidth, kHeight, 1, run.frame};
+    run.show(place);
+    pliant_result result;
+    REQUIRE(pliant_update(t, &frame, &result) == PLIANT_OK);
+    CHECK(is_result_of(*run.tracker, result));
+    searches |= result.is_searching == 1;
+    has_error |= result.landmark_error > 0;
+    has_gaze |= result.gaze[2] > 0;
+  }
+  CHECK(searches);
+  CHECK(has_error);
+  CHECK(has_gaze);
+  CHECK(run.tracker->track_number() >= 2);
 }

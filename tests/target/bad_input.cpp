@@ -160,6 +160,24 @@ bool read_frames() {
   return true;
 }
 
+void camera_buffers() {
+  CameraBuffers buffers(frames[0], frames[1], kWidth, kHeight, kWidth);
+  FrameView first, next;
+  check("no frame before the camera's first", !buffers.take(&first));
+  buffers.on_frame_complete(1);
+  const bool has_first = buffers.take(&first);
+  buffers.on_frame_complete(2);
+  buffers.on_frame_complete(3);
+  check("frames are dropped and counted while one is held, which stays", has_first && first.data == frames[0] &&
+                                                                             buffers.filling() == frames[1] &&
+                                                                             buffers.dropped() == 2);
+  buffers.give_back();
+  buffers.on_frame_complete(4);
+  check("the frame after them has its own number and time", buffers.take(&next) && next.data == frames[1] &&
+                                                               next.sequence == 4 && next.time_ns == 4 &&
+                                                               buffers.dropped() == 2);
+}
+
 }  // namespace
 
 int main() {
@@ -172,6 +190,7 @@ int main() {
   print_large(model);
   arenas(model);
   starts();
+  camera_buffers();
   Pose plain[2], disturbed[2], strided[2];
   check("three runs", run(false, false, plain) && run(true, false, disturbed) && run(false, true, strided));
   check("refused frames leave the track as it was, to the bit",

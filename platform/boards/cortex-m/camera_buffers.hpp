@@ -25,7 +25,8 @@ class CameraBuffers {
   void on_frame_complete(std::int64_t time_ns) {
     ++sequence_;
     if (ready_.load(std::memory_order_acquire)) {
-      ++dropped_;
+      const std::uint32_t before = dropped_.load(std::memory_order_relaxed);
+      dropped_.store(before + 1, std::memory_order_relaxed);  // nobody else writes it
       return;
     }
     view_ = {pixels_[filling_], width_, height_, stride_bytes_, 1, time_ns, sequence_};
@@ -41,14 +42,16 @@ class CameraBuffers {
   }
   void give_back() { ready_.store(false, std::memory_order_release); }
 
-  std::uint32_t dropped() const { return dropped_; }
+  /// Frames dropped so far. Either side may ask.
+  std::uint32_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
  private:
   std::uint8_t* pixels_[2];
   int width_, height_;
   std::size_t stride_bytes_;
   int filling_ = 0;
-  std::uint32_t sequence_ = 0, dropped_ = 0;
+  std::uint32_t sequence_ = 0;
+  std::atomic<std::uint32_t> dropped_{0};
   pliant::FrameView view_;
   std::atomic<bool> ready_{false};
 };

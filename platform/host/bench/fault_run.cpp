@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "host/bench/detection_report.hpp"
 #include "host/bench/detection_run.hpp"
+#include "host/bench/rows.hpp"
 #include "host/commands/plan.hpp"
 
 namespace pliant::host {

@@ -1,7 +1,8 @@
 #pragma once
 /// \file render_grid.hpp
 /// Renders several people with the same expressions into one picture (the paper, Figure 4).
-#include "host/commands/args.hpp"
+#include <string>
+
 #include "host/commands/command.hpp"
 #include "host/io/files.hpp"
 #include "host/io/image.hpp"

@@ -38,8 +38,8 @@ class TrackRun {
   /// Starts on the first frame. Bad input, with the name of the file: what the tracker does not start on. Not to be called
   /// where the tracker finds the face itself.
   void start(const FrameView& frame, const Initial& initial, const InitialOptions& options);
-  /// Lets the tracker find the face itself, from this frame on. Bad input, with the name of the model: it has no learnt
-  /// tables.
+  /// Lets the tracker find the face or print itself, from this frame on. Bad input, with the name of the model: it has neither
+  /// learnt tables nor a print; with that of the frames: they are too large to be searched; and as `track`.
   void search(const FrameView& frame, const InitialOptions& options, const std::string& model);
   /// Tracks or searches the next frame. Bad input: a frame that the tracker refuses, or the model's tables of a search.
   void track(const FrameView& frame);

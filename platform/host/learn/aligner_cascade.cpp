@@ -4,7 +4,6 @@
 #include <cmath>
 #include <memory>
 
-#include "host/io/statistics.hpp"
 #include "host/learn/aligner_components.hpp"
 #include "host/learn/parallel.hpp"
 

@@ -28,7 +28,7 @@ class ContactSheet {
     int number;
     Image image;  ///< shrunk to a cell of the sheet
   };
-  /// The pictures on the sheet; the first and the last of the sequence are among them.
+  /// The pictures on the sheet; the first and the last that were added are among them. Precondition: one was added.
   std::vector<Picture> pictures() const;
   /// The sheet, at most 1,600 pixels wide.
   Image image() const;

@@ -250,4 +250,33 @@ TEST_CASE("the rejection takes no larger sample than it has room for") {
   CHECK(measured_bytes<Estimator>(scene.model, more) == measured_bytes<Estimator>(scene.model, most));
 }
 
+TEST_CASE(
+    "memory for adaptation that is too small or not aligned is refused; enough of it gives the same mesh") {
+  const Scene scene;
+  EstimatorLimits limits = scene.limits;
+  const std::size_t needed = adaptation_bytes(limits.vertices);
+  AlignedBlock adaptation(needed + 1), block(measured_bytes<Estimator>(scene.model, limits));
+  const auto create = [&](unsigned char* memory, std::size_t bytes) {
+    limits.adaptation_memory = {memory, bytes};
+    Arena arena(block.data(), block.size());
+    Estimator estimator;
+    const Status status = create_in(arena, estimator, scene.model, limits);
+    CHECK((measured_bytes<Estimator>(scene.model, limits) > 0) == (status == Status::ok));
+    CHECK((arena.used_bytes() > 0) == (status == Status::ok));
+    return status;
+  };
+  CHECK(create(adaptation.data(), 1) == Status::bad_argument);
+  CHECK(create(adaptation.data(), needed - 1) == Status::bad_argument);
+  CHECK(create(adaptation.data() + 1, needed) == Status::bad_argument);
+  CHECK(create(nullptr, needed) == Status::bad_argument);
+  CHECK(create(nullptr, 0) == Status::ok);
+  REQUIRE(create(adaptation.data(), needed) == Status::ok);
+  Tracked own({});
+  Scene other;
+  InArena<Estimator> shared(other.model, limits);
+  other.start(shared.object, 0);
+  CHECK(shared->mesh().vertex_count() == own.estimator->mesh().vertex_count());
+  CHECK(shared->mesh().vertex_count() > other.model.base_uv().count);
+}
+
 }  // namespace estimator_options_test

@@ -287,7 +287,7 @@ TEST_CASE("a picture survives PNG, and grey becomes colour and back") {
   CHECK(to_grey(to_colour(to_grey(image))).pixels == to_grey(image).pixels);
 }
 
-TEST_CASE("a line covers its length once, a dot its area, and neither leaves the picture") {
+TEST_CASE("a line covers its length once, a dot its area") {
   Image image(64, 64, 3, 0);
   draw_line(image, {10, 20}, {50, 20}, 1, {255, 255, 255}, 1);
   double sum = 0;
@@ -300,10 +300,36 @@ TEST_CASE("a line covers its length once, a dot its area, and neither leaves the
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x) sum += dot.at(x, y)[0] / 255.0;
   CHECK(sum == doctest::Approx(3.14159 * 8 * 8).epsilon(0.03));
+}
+
+TEST_CASE("what reaches over the border is cut off there, and what is far away or nowhere is not drawn") {
+  constexpr int kSide = 64, kAround = 96;
+  Image image(kSide, kSide, 1, 0), larger(kSide + 2 * kAround, kSide + 2 * kAround, 1, 0);
+  const auto draw = [](Image& on, int by) {
+    const float s = static_cast<float>(by);
+    const Colour white{255, 255, 255};
+    draw_line(on, {s - 30, s - 30}, {s + 90, s + 95}, 3, white, 1);
+    draw_line(on, {s - 20, s + 40}, {s + 5, s + 40}, 2, white, 1);
+    draw_dot(on, {s + 64, s + 20}, 6, white, 1);
+    draw_ring(on, {s + 2, s + 63}, 5, 2, white, 1);
+    draw_text(on, by + 55, by - 5, "outside 0.5%", {2, white, 1});
+  };
+  draw(image, 0);
+  draw(larger, kAround);
+  int coloured = 0, other = 0;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const int a = *image.at(x, y), b = *larger.at(x + kAround, y + kAround);
+      coloured += a > 0;
+      other += std::abs(a - b) > 1;  // coordinates are rounded in other places
+    }
+  CHECK(coloured > 300);
+  CHECK(other == 0);
+  const Image before = image;
   draw_line(image, {-1e9f, 3}, {1e9f, 40}, 2, {9, 9, 9}, 1);
-  draw_line(image, {-30, -30}, {90, 95}, 3, {9, 9, 9}, 1);
   draw_dot(image, {NAN, 4}, 3, {1, 1, 1}, 1);
-  draw_text(image, 55, 60, "outside 0.5%", {2, {1, 1, 1}, 1});
+  draw_dot(image, {-100, 4}, 3, {1, 1, 1}, 1);
+  CHECK(image.pixels == before.pixels);
 }
 
 TEST_CASE("every character of the font looks different, lies within its width, and others draw nothing") {

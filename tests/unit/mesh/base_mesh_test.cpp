@@ -293,6 +293,8 @@ TEST_CASE("longest edges are taken in space where positions are given") {
   CHECK(m.maker.uv()[4].x == 0);
   CHECK(m.maker.by_splits(t.uv_span(), t.corner_span(), Winding::as_given, {stretched.data(), 3}) ==
         Status::bad_argument);
+  CHECK(m.maker.by_splits(t.uv_span(), t.corner_span(), Winding::as_given, {nullptr, 4}) ==
+        Status::bad_argument);
   CHECK((m.maker.uv().empty() && m.maker.parents().empty()));
 }
 

@@ -407,4 +407,19 @@ TEST_CASE("what an alignment says of ibug48 holds for mouth_right, the same plac
     if (l.name[0] == 'i') CHECK(length(offset_of(l.name)) > 1);
 }
 
+TEST_CASE("an offset, whatever its depth, is no image position that waits for its place") {
+  const Model& face = baked_face().model;
+  InArena<Estimator> e(face, EstimatorLimits{});
+  const auto q = baked_face().rest();
+  REQUIRE(e->start(centred_camera(kWidth, kHeight, 700), kWidth, kHeight, {{}, {0, 0, 500}}, q.data(),
+                   nullptr, {}) == Status::ok);
+  InArena<LandmarkOffsets> offsets(face);
+  for (const float z : {-1.0f, 0.0f, 1.0f, 2.0f}) {
+    const std::vector<Vec3> given(face.landmarks().count, Vec3{2, -3, z});
+    offsets->set({given.data(), given.size()});
+    offsets->place_pending(e.object);
+    for (const Vec3& value : offsets->values()) CHECK(length(value - given[0]) == 0);
+  }
+}
+
 }  // namespace offset_landmarks_test

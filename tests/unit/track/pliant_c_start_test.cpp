@@ -12,6 +12,23 @@ namespace pliant_c_start_test {
 using namespace pliant;
 using namespace c_rig;
 
+namespace {
+
+/// Reads in turns with the writes of a caller in C, as a compiler sees it that optimises both together.
+[[gnu::noinline]] float read_between(pliant_point* of_caller, const NamedPoint* own) {
+  of_caller->x = 1;
+  const float first = own->x.x;
+  of_caller->x = 5;
+  return 10 * first + own->x.x;
+}
+
+}  // namespace
+
+TEST_CASE("points that a caller in C has written are read as written, also where both are optimised together") {
+  pliant_point point{"nose_tip", 7, 7};
+  CHECK(read_between(&point, reinterpret_cast<const NamedPoint*>(&point)) == 15);
+}
+
 TEST_CASE("a start from landmarks, from a box, from a pose and from a saved state each track the face") {
   pliant_tracker* t = rig().start();
   const pliant_frame first = rig().frame(0);

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "c_result.hpp"
 #include "c_rig.hpp"
+#include "model_builder.hpp"
 
 namespace pliant_c_test {
 
@@ -36,7 +38,9 @@ TEST_CASE("profiles are those of C++; another name gives limits that are refused
     const pliant_limits l = pliant_profile("SML"[k]);
     CHECK(l.profile == "SML"[k]);
     CHECK(l.width == own[k].width);
+    CHECK(l.height == own[k].height);
     CHECK(l.region_width == own[k].region_width);
+    CHECK(l.region_height == own[k].region_height);
     CHECK(l.patches == own[k].patches);
     CHECK(l.key_patches == own[k].key_patches);
     CHECK(l.vertices == own[k].vertices);
@@ -178,6 +182,40 @@ TEST_CASE("before a start everything that needs one says so") {
   CHECK(pliant_get_landmark(t, "nose_tip", &x, &x) == PLIANT_NOT_STARTED);
   CHECK(pliant_get_landmark_at(t, 0, &x, &x) == PLIANT_NOT_STARTED);
   CHECK(pliant_place_landmarks(t, rig().points.data(), 1) == PLIANT_NOT_STARTED);
+}
+
+TEST_CASE(
+    "every field of a result is that of C++: of starts, of good, bad and lost frames, with a camera of any "
+    "kind") {
+  pliant_tracker* t = rig().create();
+  InArena<Tracker> own(rig().face.model, profile_s());
+  pliant_result result;
+  const pliant_camera camera{460, 158, 121, 0.02f, 0.01f, 1.01f};
+  const Camera same{camera.f, camera.cx, camera.cy, camera.k1, camera.k2, camera.aspect};
+  const pliant_pose pose = rig().c_pose();
+  const std::vector<std::uint8_t> black(rig().pixels.size());
+  bool seen[3] = {};
+  for (int k = 0; k < 60; ++k) {
+    pliant_frame frame = rig().frame(k);
+    if (k > 40) frame.pixels = black.data();
+    const FrameView view{frame.pixels, kWidth, kHeight, kWidth, 1, frame.time_ns, frame.sequence};
+    CAPTURE(k);
+    if (k % 20 == 0) {
+      REQUIRE(pliant_start_from_pose(t, &frame, &camera, &pose, nullptr) == PLIANT_OK);
+      REQUIRE(own->start_from_pose(view, same, rig().pose, nullptr) == Status::ok);
+    } else {
+      FrameResult of_own;
+      REQUIRE(pliant_update(t, &frame, &result) == PLIANT_OK);
+      REQUIRE(own->update(view, &of_own) == Status::ok);
+      CHECK(is_result_of(own.object, result));
+    }
+    REQUIRE(pliant_get_result(t, &result) == PLIANT_OK);
+    CHECK(is_result_of(own.object, result));
+    seen[result.state] = true;
+  }
+  CHECK(result.track == 3);
+  CHECK(result.person == 3);
+  for (const bool state : seen) CHECK(state);
 }
 
 TEST_CASE("wrong updates return a status, write nothing, and do not change the track") {

@@ -87,7 +87,7 @@ TEST_CASE("light that hid the face and settles, or pulses, is over though the me
     while (k < 100 && !start.is_over(view_in(k % period == 0 ? settled : blinding), estimator)) ++k;
     return k;
   };
-  constexpr int kInterval = kPoorStartTuning.interval_frames, kEnough = kPoorStartTuning.measurements;
+  constexpr int kInterval = int{kPoorStartTuning.interval_frames}, kEnough = kPoorStartTuning.measurements;
   CHECK(frames_until_over(1) == kInterval * kEnough);
   CHECK(frames_until_over(3 * kInterval) == 3 * kInterval * kEnough);
   CHECK(frames_until_over(1000) == 100);
@@ -133,7 +133,7 @@ TEST_CASE("poor starts: the bound itself, and a face outside of the frame") {
   CHECK(start.is_doubtful(0));  // unknown
   CHECK_FALSE(start.is_doubtful(kPoorStartTuning.most_sure_error));
   // The change of light must last, and counts from the last start on.
-  constexpr int kEnough = kPoorStartTuning.interval_frames * kPoorStartTuning.measurements;
+  constexpr int kEnough = int{kPoorStartTuning.interval_frames} * kPoorStartTuning.measurements;
   for (int again = 0; again < 2; ++again) {
     start.begin(few - 1, 100, bright, estimator);
     for (int k = 1; k < kEnough; ++k) CHECK_FALSE(start.is_over(film().view(0), estimator));

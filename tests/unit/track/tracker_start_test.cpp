@@ -208,8 +208,11 @@ TEST_CASE("wrong arguments of a start change nothing; a start that fails later l
   some.assign(69, points()[0]);
   CHECK(start(69) == Status::capacity);
   StartOptions options;
-  options.focal_px = nan;
-  CHECK(t.start_from_landmarks(frame, all_points(), options) == Status::bad_argument);
+  for (const float focal : {nan, -1.0f, 1e30f, std::numeric_limits<float>::infinity()}) {
+    options.focal_px = focal;
+    CHECK(t.start_from_landmarks(frame, all_points(), options) == Status::bad_argument);
+    CHECK(t.start_from_box(frame, {10, 10}, {50, 50}, options) == Status::bad_argument);
+  }
   CHECK(t.start_from_box(frame, {10, 10}, {0, 20}) == Status::bad_argument);
   CHECK(t.start_from_box({}, {10, 10}, {50, 50}) == Status::bad_argument);
   const Vec2 marker{100, 100};
