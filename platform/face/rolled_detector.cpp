@@ -53,9 +53,8 @@ Status RolledDetector::search(const FrameView& frame, std::uint32_t work, Span<D
   return status;
 }
 
-Status RolledDetector::search_near(const FrameView& frame, const FaceBox& box, float roll,
-                                   DetectedFace* face) {
-  const int turn = turn_of(exp_rotation({0, 0, roll}));
+Status RolledDetector::search_near(const FrameView& frame, const FaceBox& box, DetectedFace* face) {
+  const int turn = face->score > 0 ? turn_of(exp_rotation({0, 0, face->roll})) : expected_;
   const FrameView& view = turned(frame, turn);
   const Status status = FaceDetector::search_near(view, turn == 0 ? box : picture_.from_frame(box), face);
   if (status == Status::ok) to_frame(turn, {face, 1});

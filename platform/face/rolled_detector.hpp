@@ -25,8 +25,9 @@ class RolledDetector : public FaceDetector {
   /// As FaceDetector::search; whole frames are searched at one turn each.
   Status search(const FrameView& frame, std::uint32_t work, Span<DetectedFace> room, std::size_t* count,
                 bool* is_complete);
-  /// As FaceDetector::search_near, at the turn of a face with that roll (AlignOptions).
-  Status search_near(const FrameView& frame, const FaceBox& box, float roll, DetectedFace* face);
+  /// As FaceDetector::search_near, at one turn: that of the face that was detected there before, or, of a place where none was, the
+  /// expected one. \param face  in: that face; a score of 0: none.
+  Status search_near(const FrameView& frame, const FaceBox& box, DetectedFace* face);
 
  private:
   static constexpr const RolledDetectorTuning& kTuning = kRolledDetectorTuning;

@@ -79,7 +79,7 @@ Status search_rolled(FaceDetector& detector, const FrameView& frame, std::uint32
 
 Status search_near_rolled(FaceDetector& detector, const FrameView& frame, const FaceBox& box,
                           DetectedFace* face) {
-  return static_cast<RolledDetector&>(detector).search_near(frame, box, face->roll, face);
+  return static_cast<RolledDetector&>(detector).search_near(frame, box, face);
 }
 
 }  // namespace

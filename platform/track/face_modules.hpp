@@ -24,7 +24,7 @@ struct FaceModules {
   FaceAligner* (*lay_out_verifier)(Arena& arena, const Model& model);  ///< for `verify` only
   /// What the two say of their tables.
   Status (*status)(const FaceDetector& detector, const FaceAligner& aligner);
-  /// As the functions of FaceDetector and FaceAligner of these names. `search_near` searches at the roll that `face` has before.
+  /// As the functions of RolledDetector, or FaceDetector, and FaceAligner of these names.
   Status (*search)(FaceDetector& detector, const FrameView& frame, std::uint32_t work,
                    Span<DetectedFace> room, std::size_t* count, bool* is_complete);
   Status (*search_near)(FaceDetector& detector, const FrameView& frame, const FaceBox& box,

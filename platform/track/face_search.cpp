@@ -217,7 +217,7 @@ Status FaceSearch::align_near(FaceBox box, const FrameView& frame, const Camera&
     box = found;
     status = align_in(box, frame, camera, face, &found);
   }
-  DetectedFace seen;
+  DetectedFace seen{found, 1};  // upright, as the alignments are
   if (status != Status::ok || modules_->search_near(*detector_, frame, found, &seen) != Status::ok ||
       !(seen.score > 0) || is_same(seen.box, found, kTuning.most_box_shift, kTuning.most_box_ratio))
     return status;

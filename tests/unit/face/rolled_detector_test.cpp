@@ -120,18 +120,30 @@ TEST_CASE("a search in parts stays at its turn until the whole frame has been se
   }
 }
 
-TEST_CASE("near a box a pattern is found at the roll that is asked for, and nothing in an empty frame") {
+TEST_CASE("near a box a pattern is found at the roll of the face that was there, and nothing in an empty frame") {
   Rig rig;
   const Picture empty(kWidth, kHeight, 120);
   for (int turn = 0; turn < kTurnsOfPicture; ++turn) {
     CAPTURE(turn);
     const Picture picture = turned_pattern(turn, {100, 110}, 110);
-    DetectedFace face;
-    CHECK(rig.detector.search_near(picture.frame(), {{108, 103}, 120}, roll_of_turn(turn) + 0.2f, &face) ==
-          Status::ok);
+    const FaceBox near{{108, 103}, 120};
+    const DetectedFace seen{near, 0.5f, roll_of_turn(turn) + 0.2f};
+    DetectedFace face = seen;
+    CHECK(rig.detector.search_near(picture.frame(), near, &face) == Status::ok);
     check_is_at(face, {100, 110}, 110, turn);
-    CHECK(rig.detector.search_near(empty.frame(), {{108, 103}, 120}, roll_of_turn(turn), &face) ==
-          Status::not_found);
+    face = seen;
+    CHECK(rig.detector.search_near(empty.frame(), near, &face) == Status::not_found);
+  }
+}
+
+TEST_CASE("near a place where no face was detected a pattern is found at the expected turn") {
+  for (int turn = 0; turn < kTurnsOfPicture; ++turn) {
+    CAPTURE(turn);
+    Rig rig(rotation_of(turn));
+    DetectedFace face;
+    const Picture picture = turned_pattern(turn, {100, 110}, 110);
+    CHECK(rig.detector.search_near(picture.frame(), {{108, 103}, 120}, &face) == Status::ok);
+    check_is_at(face, {100, 110}, 110, turn);
   }
 }
 
