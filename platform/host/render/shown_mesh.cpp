@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/bake/boundary_loops.hpp"
 #include "host/bake/triangulation.hpp"
 #include "host/io/image.hpp"
 #include "host/io/polygon.hpp"
@@ -17,32 +18,21 @@ constexpr float kLatticeFraction = 0.5f;
 constexpr std::size_t kMostVertices = 65535;  // 16-bit indices; glTF reserves the last one
 
 /// Vertex numbers around each opening: all boundary loops but the one with the largest area.
-std::vector<std::vector<std::uint16_t>> find_openings(const MeshData& mesh) {
-  std::vector<std::uint16_t> next(mesh.position.size(), kNone);  // along the boundary
+std::vector<std::vector<int>> find_openings(const MeshData& mesh) {
+  std::vector<int> next(mesh.position.size(), -1);  // along the boundary
   std::vector<std::array<std::uint16_t, 2>> edges;
   for (const auto& f : mesh.faces)
     for (std::size_t k = 0; k < 3; ++k) edges.push_back({f[k], f[(k + 1) % 3]});
   std::sort(edges.begin(), edges.end());
   for (const auto& [a, b] : edges)
     if (!std::binary_search(edges.begin(), edges.end(), std::array<std::uint16_t, 2>{b, a})) next[a] = b;
-  std::vector<std::vector<std::uint16_t>> loops;
-  std::vector<float> areas;
-  for (std::size_t first = 0; first < next.size(); ++first) {
-    if (next[first] == kNone) continue;
-    std::vector<std::uint16_t> loop;
-    float area = 0;
-    for (auto v = static_cast<std::uint16_t>(first); next[v] != kNone;) {
-      const std::uint16_t after = next[v];
-      loop.push_back(v);
-      area += mesh.uv[v].x * mesh.uv[after].y - mesh.uv[after].x * mesh.uv[v].y;
-      next[v] = kNone;
-      v = after;
-    }
-    loops.push_back(loop);
-    areas.push_back(magnitude(area));
-  }
-  if (loops.empty()) return loops;
-  loops.erase(loops.begin() + (std::max_element(areas.begin(), areas.end()) - areas.begin()));
+  auto loops = bake::trace_loops(std::move(next));
+  const auto area = [&](const std::vector<int>& loop) {
+    return std::fabs(bake::doubled_loop_area(mesh.uv, loop));
+  };
+  const auto outer = std::max_element(loops.begin(), loops.end(),
+                                      [&](const auto& a, const auto& b) { return area(a) < area(b); });
+  if (outer != loops.end()) loops.erase(outer);
   return loops;
 }
 
@@ -69,16 +59,17 @@ std::vector<Vec2> lattice_within(const std::vector<Vec2>& loop) {
   return points;
 }
 
-void close_opening(MeshData& mesh, const std::vector<std::uint16_t>& loop, ModelSurface& surface) {
+void close_opening(MeshData& mesh, const std::vector<int>& loop, ModelSurface& surface) {
   bake::Domain domain;
-  std::vector<std::uint16_t> number = loop;  // index in the mesh of each point of the domain
+  std::vector<std::uint16_t> number;  // index in the mesh of each point of the domain
   domain.loops.emplace_back();
-  for (const std::uint16_t v : loop) {
+  for (const int v : loop) {
     domain.loops[0].push_back(static_cast<int>(domain.points.size()));
-    domain.points.push_back(mesh.uv[v]);
+    domain.points.push_back(mesh.uv[static_cast<std::size_t>(v)]);
+    number.push_back(static_cast<std::uint16_t>(v));
   }
   for (const Vec2 uv : lattice_within(domain.points)) {
-    if (mesh.position.size() + number.size() >= kMostVertices) return;
+    if (mesh.position.size() >= kMostVertices) return;
     domain.points.push_back(uv);
     number.push_back(static_cast<std::uint16_t>(mesh.position.size()));
     mesh.position.push_back(surface.sample(uv));
