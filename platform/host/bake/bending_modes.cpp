@@ -10,6 +10,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <stdexcept>
 
 #include "host/bake/at.hpp"
 #include "host/bake/symmetric_eigen.hpp"
@@ -275,6 +276,8 @@ class ModeProblem {
     const double shift = kTuning.shift * kTuning.thickness * kTuning.thickness / 12;
     for (Eigen::Index k = 0; k < shifted.rows(); ++k) shifted.coeffRef(k, k) += shift * mass_(k);
     factors_.compute(shifted);
+    if (factors_.info() != Eigen::Success)
+      throw std::runtime_error("the stiffness of the surface cannot be factorised");
     block_.resize(mass_.size(), size);
     std::uint32_t state = 12345;  // a fixed pseudo-random start
     for (Eigen::Index c = 0; c < size; ++c)

@@ -285,7 +285,7 @@ class FolderReader {
     mesh.triangles = source_.triangles;
     for (auto& t : mesh.triangles)
       for (int& v : t) v = place_of[at(v)];
-    const BendingModes modes = find_bending_modes(mesh, options_.modes, options_.stiffness);
+    const BendingModes modes = modes_of(mesh);
     if (modes.displacement.size() < at(options_.modes))
       throw SourceError(rest_.path, 0,
                         "has only " + std::to_string(modes.displacement.size()) + " bending modes, not " +
@@ -305,6 +305,14 @@ class FolderReader {
     for (const ModeCorrection& c : modes.corrections)
       source_.shapes.push_back(
           {first + c.first, placed_at(c.displacement), {}, {}, {}, -1, static_cast<int>(first + c.second)});
+  }
+
+  BendingModes modes_of(const BendingMesh& mesh) const {
+    try {
+      return find_bending_modes(mesh, options_.modes, options_.stiffness);
+    } catch (const std::runtime_error& error) {
+      throw SourceError(rest_.path, 0, std::string("has no bending modes: ") + error.what());
+    }
   }
 
   void read_albedo() {
