@@ -15,7 +15,6 @@ namespace {
 
 /// Spacing of vertices inside an opening, as a fraction of the spacing around it. Chosen by eye.
 constexpr float kLatticeFraction = 0.5f;
-constexpr std::size_t kMostVertices = 65535;  // 16-bit indices; glTF reserves the last one
 
 /// Vertex numbers around each opening: all boundary loops but the one with the largest area.
 std::vector<std::vector<int>> find_openings(const MeshData& mesh) {
@@ -59,7 +58,8 @@ std::vector<Vec2> lattice_within(const std::vector<Vec2>& loop) {
   return points;
 }
 
-void close_opening(MeshData& mesh, const std::vector<int>& loop, ModelSurface& surface) {
+/// Fills the opening, unless that takes more vertices than `most`: a part of the filling would be vertices without faces.
+void close_opening(MeshData& mesh, const std::vector<int>& loop, ModelSurface& surface, std::size_t most) {
   bake::Domain domain;
   std::vector<std::uint16_t> number;  // index in the mesh of each point of the domain
   domain.loops.emplace_back();
@@ -68,8 +68,9 @@ void close_opening(MeshData& mesh, const std::vector<int>& loop, ModelSurface& s
     domain.points.push_back(mesh.uv[static_cast<std::size_t>(v)]);
     number.push_back(static_cast<std::uint16_t>(v));
   }
-  for (const Vec2 uv : lattice_within(domain.points)) {
-    if (mesh.position.size() >= kMostVertices) return;
+  const std::vector<Vec2> lattice = lattice_within(domain.points);
+  if (mesh.position.size() + lattice.size() > most) return;
+  for (const Vec2 uv : lattice) {
     domain.points.push_back(uv);
     number.push_back(static_cast<std::uint16_t>(mesh.position.size()));
     mesh.position.push_back(surface.sample(uv));
@@ -108,9 +109,9 @@ MeshData mesh_data(const ModelMesh& adapted) {
   return data;
 }
 
-MeshData closed_mesh(const ModelMesh& adapted) {
+MeshData closed_mesh(const ModelMesh& adapted, std::size_t most_vertices) {
   MeshData mesh = mesh_data(adapted);
-  for (const auto& loop : find_openings(mesh)) close_opening(mesh, loop, adapted.surface());
+  for (const auto& loop : find_openings(mesh)) close_opening(mesh, loop, adapted.surface(), most_vertices);
   return mesh;
 }
 
