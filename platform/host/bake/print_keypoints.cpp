@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "host/bake/print_views.hpp"
+#include "host/io/table_checksum.hpp"
 #include "print/descriptor.hpp"
 #include "print/print_tuning.hpp"
 
@@ -147,18 +148,16 @@ std::vector<std::uint8_t> written(const std::vector<Quat>& views, const std::vec
   append(bytes, views);
   append(bytes, levels);
   append(bytes, keypoints);
-  PrintHeader h{kPrintMagic,
-                static_cast<std::uint32_t>(bytes.size()),
-                0,
-                static_cast<std::uint16_t>(keypoints.size()),
-                static_cast<std::uint16_t>(views.size()),
-                static_cast<std::uint16_t>(levels.size()),
-                0,
-                extent_mm};
+  const PrintHeader h{kPrintMagic,
+                      static_cast<std::uint32_t>(bytes.size()),
+                      0,
+                      static_cast<std::uint16_t>(keypoints.size()),
+                      static_cast<std::uint16_t>(views.size()),
+                      static_cast<std::uint16_t>(levels.size()),
+                      0,
+                      extent_mm};
   std::memcpy(bytes.data(), &h, sizeof h);
-  constexpr std::size_t kSummedFrom = offsetof(PrintHeader, keypoint_count);
-  h.crc32 = crc32(bytes.data() + kSummedFrom, bytes.size() - kSummedFrom);
-  std::memcpy(bytes.data(), &h, sizeof h);
+  set_checksum<PrintHeader>(bytes);
   return bytes;
 }
 
