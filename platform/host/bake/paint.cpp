@@ -97,7 +97,7 @@ class Painter {
     random_.seed(layer.seed);
     mark_region(layer.region);
     if (layer.kind == "fill")
-      each(0, side_ - 1, 0, side_ - 1, [&](Pixel& p, float) { blend(p, layer.tone, layer.amount); });
+      each(0, side_ - 1, 0, side_ - 1, [&](Pixel& p) { blend(p, layer.tone, layer.amount); });
     if (layer.kind == "noise") add_noise(layer);
     if (layer.kind == "shade" || layer.kind == "disc") add_shade(layer);
     if (layer.kind == "spots") add_spots(layer);
@@ -141,14 +141,14 @@ class Painter {
     for (int j = std::max(top, 0); j <= std::min(bottom, side_ - 1); ++j)
       for (int i = std::max(left, 0); i <= std::min(right, side_ - 1); ++i) {
         Pixel& p = pixels_[at(j * side_ + i)];
-        if (p.face < 0 ? takes_outside_ : static_cast<bool>(in_region_[at(p.face)])) f(p, 0.0f);
+        if (p.face < 0 ? takes_outside_ : static_cast<bool>(in_region_[at(p.face)])) f(p);
       }
   }
 
   void add_noise(const Layer& layer) {
     Noise noise(layer.seed);
     each(0, side_ - 1, 0, side_ - 1,
-         [&](Pixel& p, float) { p.tone += layer.amount * noise((1 / layer.size) * p.position); });
+         [&](Pixel& p) { p.tone += layer.amount * noise((1 / layer.size) * p.position); });
   }
 
   /// Blends towards a tone near a line: with a soft edge ("shade") or a sharp one ("disc").
@@ -176,8 +176,7 @@ class Painter {
       const float reach = layer.size * kTuning.chart_per_mm + kTuning.chart_margin,
                   n = static_cast<float>(side_ - 1);
       each(static_cast<int>((least.x - reach) * n), static_cast<int>((most.x + reach) * n),
-           static_cast<int>((least.y - reach) * n), static_cast<int>((most.y + reach) * n),
-           [&](Pixel& p, float) {
+           static_cast<int>((least.y - reach) * n), static_cast<int>((most.y + reach) * n), [&](Pixel& p) {
              if (beyond(low, high, p.position)) return;
              blend(p, layer.tone, layer.amount * nearness(layer, line, p.position));
            });
@@ -221,7 +220,7 @@ class Painter {
       if (centre.face < 0 || !in_region_[at(centre.face)]) continue;
       const Vec3 c = centre.position;
       const int reach = static_cast<int>(size * kTuning.chart_per_mm * static_cast<float>(side_)) + 1;
-      each(i - reach, i + reach, j - reach, j + reach, [&](Pixel& p, float) {
+      each(i - reach, i + reach, j - reach, j + reach, [&](Pixel& p) {
         const float d = length(p.position - c) / size;
         if (d < 1) blend(p, layer.tone, strength * (1 - d * d));
       });
@@ -263,7 +262,7 @@ class Painter {
       Vec2 p = from + t * (to - from);
       if (mirrored) p.x = 1 - p.x;
       const int i = static_cast<int>(std::lround(p.x * n)), j = static_cast<int>(std::lround(p.y * n));
-      each(i, i, j, j, [&](Pixel& q, float) { blend(q, layer.tone, strength * (1 - 0.6f * t)); });
+      each(i, i, j, j, [&](Pixel& q) { blend(q, layer.tone, strength * (1 - 0.6f * t)); });
     }
   }
 
