@@ -5,6 +5,7 @@
 
 #include "host/commands/command.hpp"
 #include "host/commands/tracker_limits.hpp"
+#include "host/io/curve_kinds.hpp"
 #include "host/io/files.hpp"
 #include "host/io/owned.hpp"
 #include "pliant/cascade.hpp"
@@ -47,9 +48,8 @@ const char* name_of(Operation operation) {
 }
 
 const char* name_of(CurveKind kind) {
-  constexpr const char* kNames[] = {"lid", "lip", "brow", "boundary"};
   const auto k = static_cast<std::size_t>(kind);
-  return k < std::size(kNames) ? kNames[k] : "?";
+  return k < std::size(kCurveKindNames) ? kCurveKindNames[k] : "?";
 }
 
 std::size_t sample_bytes(const Field& f) {
