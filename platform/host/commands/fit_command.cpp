@@ -102,7 +102,7 @@ void check_usage(const Args& args) {
   if (!args.has("--points") && !args.has("--box") && !args.has("--pose") && !args.has("--image"))
     fail_usage("one of --points, --box, --pose and --image is needed");
   if (args.has("--box") && args.has("--pose")) fail_usage("--box and --pose exclude each other");
-  if (args.has("--texture") && !args.has("--image")) fail_usage("--texture needs the photograph: --image");
+  args.check_needs("--texture", "--image");
   args.check_needs("--box-of", "--box");
   args.check_needs("--silhouette", "--points");
 }

@@ -127,9 +127,8 @@ void check_start(const Args& args) {
     fail_usage("--markers are points of frame 0: --init or --box is needed");
   if (args.has("--landmarks") && args.has("--model-landmarks"))
     fail_usage("--landmarks and --model-landmarks exclude each other");
-  if (args.has("--box-of") && !args.has("--box")) fail_usage("--box-of is of a box: --box is needed");
-  if (args.has("--marker-exclusion-px") && !args.has("--markers"))
-    fail_usage("--marker-exclusion-px is of markers: --markers is needed");
+  args.check_needs("--box-of", "--box");
+  args.check_needs("--marker-exclusion-px", "--markers");
 }
 
 /// What the track starts from; nothing: it finds the face itself.
