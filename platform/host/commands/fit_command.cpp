@@ -205,7 +205,7 @@ void warn_of(const FitFile& fit, bool has_points, Console& console) {
 FitSetup fit_setup(const Args& args, const Model& model, const ImageSize& size, std::ostream& err) {
   FitSetup setup;
   setup.size = size;
-  setup.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
+  setup.focal_px = focal_of(args, setup.size, err);
   setup.camera = calibration_of(args, setup.size, err);
   setup.is_free = free_parameters(model, args.text("--parameters"));
   setup.match_silhouette = matches_silhouette(args);

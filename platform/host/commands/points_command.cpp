@@ -59,7 +59,7 @@ FitFile start_of(const Args& args, const std::optional<std::string>& text, const
                  const Image& image, const std::string& path, std::ostream& err) {
   FitSetup setup;
   setup.size = {image.width, image.height};
-  setup.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
+  setup.focal_px = focal_of(args, setup.size, err);
   setup.camera = calibration_of(args, setup.size, err);
   const auto start = args.text("--start");
   if (start && is_box(*start)) return fit_to_box(file, *box_of(args, "--start"), setup);

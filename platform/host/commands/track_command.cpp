@@ -36,7 +36,7 @@ std::optional<Camera> known_camera(const Args& args, ImageSize size, std::ostrea
 InitialOptions initial_options(const Args& args, ImageSize size, std::ostream& err) {
   InitialOptions options;
   options.camera = known_camera(args, size, err);
-  options.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
+  options.focal_px = focal_of(args, size, err);
   return options;
 }
 
