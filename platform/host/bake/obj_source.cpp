@@ -118,7 +118,12 @@ class FolderReader {
   std::string rest_path() const {
     const auto neutral = std::find_if(files_.begin(), files_.end(),
                                       [](const std::string& path) { return name_of(path) == "neutral"; });
-    return files_.size() == 1 ? files_[0] : neutral != files_.end() ? *neutral : folder_ + "/neutral.obj";
+    if (files_.size() > 1 && neutral == files_.end())
+      throw SourceError(
+          folder_, 0,
+          "has " + std::to_string(files_.size()) +
+              " OBJ files, and none is neutral.obj, the rest shape (--pca N takes all as scans)");
+    return files_.size() == 1 ? files_[0] : *neutral;
   }
   void report_progress(std::size_t done) const {
     if (options_.progress) options_.progress("files", done, files_.size());

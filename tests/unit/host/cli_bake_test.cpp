@@ -188,6 +188,17 @@ TEST_CASE("an OBJ file may have its ending in capitals") {
   CHECK(contains(r.out, "\nflap to "));
 }
 
+TEST_CASE("bake of a folder whose OBJ files have no rest shape says which file that would be") {
+  const ObjFolder folder;
+  fs::rename(folder.folder + "/neutral.obj", folder.folder + "/Rest.obj");
+  check_refused({"bake", folder.folder, "-o", folder / "m.plm"},
+                {folder.folder + ": has ", " OBJ files, and none is neutral.obj, the rest shape (--pca"});
+  fs::rename(folder.folder + "/Rest.obj", folder.folder + "/neutral.OBJ");
+  CHECK(
+      run_words({"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60", "--size", "16"}).code ==
+      0);
+}
+
 TEST_CASE("bake does not write over what it reads, nor into files of other kinds") {
   const ObjFolder folder;
   std::ofstream(folder.folder + "/sheet.mtl") << "newmtl a\n";
