@@ -93,7 +93,7 @@ int run_animate(const Args& args, Console& console) {
   const std::string output = args.required("-o");
   args.required("--params");
   const bool is_folder = ends_with(output, "/") || std::filesystem::is_directory(output);
-  if (!is_folder && !ends_with(output, ".glb"))
+  if (!is_folder && !ends_with(in_lower_case(output), ".glb"))
     fail_usage("-o must end in .glb, or in / for a folder of OBJ files: " + output);
   if (is_folder)
     args.refuse({"--image", "--tolerance"},
