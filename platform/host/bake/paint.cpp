@@ -284,8 +284,8 @@ Layer layer_of(const TextTable& table, const TextRow& row, const Painter& painte
   if (!painter.knows_region(layer.region)) table.fail(row, "unknown region '" + layer.region + "'");
   const auto check_range = [&](const char* what, float value, float low, float high) {
     if (!(value >= low && value <= high))
-      table.fail(row, std::string("the ") + what + " is not from " + number_text(static_cast<double>(low)) +
-                          " to " + number_text(static_cast<double>(high)));
+      table.fail(row,
+                 std::string("the ") + what + " is not from " + short_text(low) + " to " + short_text(high));
   };
   // With these no position, reach or count below leaves the range of an int, and no tone that of a float.
   check_range("tone", layer.tone, 0, 255);
