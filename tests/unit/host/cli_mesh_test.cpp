@@ -320,9 +320,8 @@ TEST_CASE("bad arguments and bad files are refused with a message that names the
 TEST_CASE("the ending of a mesh's name may be in capitals") {
   const MeshFolder m;
   for (const auto& [name, head] : {std::pair{"m.OBJ", "# "}, {"m.Ply", "ply\n"}, {"m.GLB", "glTF"}}) {
-    CAPTURE(name);
     REQUIRE(run_words({"mesh", m.path, "-o", m / name}).code == 0);
-    CHECK(read_file(m / name).rfind(head, 0) == 0);
+    CHECK(read_file(m / name).substr(0, std::string(head).size()) == head);
   }
 }
 
