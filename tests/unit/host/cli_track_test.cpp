@@ -292,6 +292,7 @@ TEST_CASE("a Y4M stream with a wrong size or without a header is refused in one 
   const std::string whole = read_file(s.video), body = whole.substr(whole.find('\n') + 1);
   auto words = s.track_words();
   words[3] = s / "lie.y4m";
+  words.back() = "1000";  // a focal length for pictures of each of these sizes
   for (const char* header : {"YUV4MPEG2 W100 H160 F30:1 Cmono\n", "YUV4MPEG2 W4000 H3000 F30:1 Cmono\n",
                              "YUV4MPEG2 W200 H161 F30:1 Cmono\n", "YUV4MPEG2 W-200 H160 F30:1 Cmono\n",
                              "YUV4MPEG2 W200000 H160000 F30:1 Cmono\n", "YUV4MPEG2 H160 F30:1 Cmono\n",
