@@ -13,6 +13,7 @@
 #include "host/bake/print_keypoints.hpp"
 #include "host/bake/source_error.hpp"
 #include "host/bake/table_writer.hpp"
+#include "host/io/bounding_box.hpp"
 #include "host/io/numbers.hpp"
 #include "host/io/track_table.hpp"
 #include "model/table_reader.hpp"
@@ -138,16 +139,10 @@ class Baker {
   }
 
   float diagonal() const {
-    Vec3 low{}, high{};
-    bool is_first = true;
-    for (std::size_t v = 0; v < is_on_surface_.size(); ++v) {
-      const Vec3 p = source_.neutral[v];
-      if (!is_on_surface_[v]) continue;
-      low = is_first ? p : Vec3{std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = is_first ? p : Vec3{std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-      is_first = false;
-    }
-    return length(high - low);
+    BoundingBox<Vec3> box;
+    for (std::size_t v = 0; v < is_on_surface_.size(); ++v)
+      if (is_on_surface_[v]) box.add(source_.neutral[v]);
+    return length(box.size());
   }
 
   void check_rest_shape() const {

@@ -14,6 +14,7 @@
 
 #include "host/bake/at.hpp"
 #include "host/bake/symmetric_eigen.hpp"
+#include "host/io/bounding_box.hpp"
 
 namespace pliant::host::bake {
 
@@ -83,12 +84,9 @@ class ModeProblem {
  private:
   /// Scales the surface to a diagonal of 1.
   void normalise() {
-    Vec3 low = mesh_.position[0], high = low;
-    for (const Vec3 p : mesh_.position) {
-      low = min(low, p);
-      high = max(high, p);
-    }
-    diagonal_ = std::max(1e-12, static_cast<double>(length(high - low)));
+    const BoundingBox<Vec3> box(mesh_.position);
+    const Vec3 low = box.low;
+    diagonal_ = std::max(1e-12, static_cast<double>(length(box.size())));
     for (const Vec3 p : mesh_.position)
       position_.push_back(Vector(static_cast<double>(p.x - low.x), static_cast<double>(p.y - low.y),
                                  static_cast<double>(p.z - low.z)) /

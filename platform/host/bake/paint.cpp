@@ -11,6 +11,7 @@
 #include "host/bake/chart_raster.hpp"
 #include "host/bake/source_error.hpp"
 #include "host/bake/text_table.hpp"
+#include "host/io/bounding_box.hpp"
 #include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
 
@@ -156,34 +157,30 @@ class Painter {
     const auto path = path_through(canvas_.fine, layer.points);
     for (const float side : {1.0f, -1.0f}) {
       std::vector<Vec3> line;
-      Vec2 least{1, 1}, most{0, 0};
+      BoundingBox<Vec2> chart;
       for (int v : path) {
         const Vec3 p = canvas_.position[at(v)];
         line.push_back({side * p.x, p.y, p.z});
-        const Vec2 uv{side > 0 ? canvas_.uv[at(v)].x : 1 - canvas_.uv[at(v)].x, canvas_.uv[at(v)].y};
-        least = min(least, uv);
-        most = max(most, uv);
+        chart.add({side > 0 ? canvas_.uv[at(v)].x : 1 - canvas_.uv[at(v)].x, canvas_.uv[at(v)].y});
       }
+      const Vec2 least = chart.low, most = chart.high;
       if (side < 0 && least.x <= 0.5f && most.x >= 0.5f && symmetric(line)) break;
-      Vec3 low = line[0], high = line[0];  // of the places that the line may reach, mm
-      for (const Vec3 p : line) {
-        low = min(low, p);
-        high = max(high, p);
-      }
+      BoundingBox<Vec3> reached(line);  // the places that the line may reach, mm
       const float beside = 1.01f * layer.size + kTuning.disc_edge_mm;
-      low = low - Vec3{beside, beside, beside};
-      high = high + Vec3{beside, beside, beside};
+      reached.low = reached.low - Vec3{beside, beside, beside};
+      reached.high = reached.high + Vec3{beside, beside, beside};
       const float reach = layer.size * kTuning.chart_per_mm + kTuning.chart_margin,
                   n = static_cast<float>(side_ - 1);
       each(static_cast<int>((least.x - reach) * n), static_cast<int>((most.x + reach) * n),
            static_cast<int>((least.y - reach) * n), static_cast<int>((most.y + reach) * n), [&](Pixel& p) {
-             if (beyond(low, high, p.position)) return;
+             if (beyond(reached, p.position)) return;
              blend(p, layer.tone, layer.amount * nearness(layer, line, p.position));
            });
     }
   }
 
-  static bool beyond(Vec3 low, Vec3 high, Vec3 p) {
+  static bool beyond(const BoundingBox<Vec3>& box, Vec3 p) {
+    const Vec3 low = box.low, high = box.high;
     return p.x < low.x || p.x > high.x || p.y < low.y || p.y > high.y || p.z < low.z || p.z > high.z;
   }
 

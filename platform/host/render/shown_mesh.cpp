@@ -5,6 +5,7 @@
 
 #include "host/bake/boundary_loops.hpp"
 #include "host/bake/triangulation.hpp"
+#include "host/io/bounding_box.hpp"
 #include "host/io/image.hpp"
 #include "host/io/polygon.hpp"
 #include "pliant/visibility.hpp"
@@ -38,18 +39,15 @@ std::vector<std::vector<int>> find_openings(const MeshData& mesh) {
 /// Points of a lattice inside the loop, closer together than those of the loop: the surface behind lips and lids is curved
 /// more strongly.
 std::vector<Vec2> lattice_within(const std::vector<Vec2>& loop) {
-  Vec2 low{1, 1}, high{0, 0};
+  const BoundingBox<Vec2> box(loop);
   float spacing = 0;
-  for (std::size_t k = 0; k < loop.size(); ++k) {
-    low = min(low, loop[k]);
-    high = max(high, loop[k]);
+  for (std::size_t k = 0; k < loop.size(); ++k)
     spacing +=
         kLatticeFraction * length(loop[(k + 1) % loop.size()] - loop[k]) / static_cast<float>(loop.size());
-  }
   std::vector<Vec2> points;
   if (!(spacing > 1e-4f)) return points;
-  for (float y = low.y + 0.5f * spacing; y < high.y; y += spacing)
-    for (float x = low.x + 0.5f * spacing; x < high.x; x += spacing) {
+  for (float y = box.low.y + 0.5f * spacing; y < box.high.y; y += spacing)
+    for (float x = box.low.x + 0.5f * spacing; x < box.high.x; x += spacing) {
       const bool is_close = std::any_of(loop.begin(), loop.end(), [&](Vec2 p) {
         return length(p - Vec2{x, y}) < 0.6f * spacing;
       });
