@@ -227,7 +227,7 @@ int run_points(const Args& args, Console& console) {
   const Model& model = file.model();
   const auto text = start_text(args);
   const FitFile start = start_of(args, text, file, image, path, console.err);
-  const std::vector<float> q = all_parameters(start, "start", model);
+  const std::vector<float> q = all_parameters(start, args.text("--start").value_or(path), model);
   const GivenPoints given = text ? points_in(*args.text("--start"), *text) : GivenPoints{};
   const bool has_uv = model.landmarks().empty() || given.have_uv();
   const std::vector<Handle> handles = handles_of(model, given.all);
