@@ -18,6 +18,12 @@ namespace fs = std::filesystem;
 /// Pictures of materials, count, at most. Bounds the memory.
 constexpr std::size_t kMostPictures = 64;
 
+/// False also for a pipe, which would be waited for, and for what no name can be.
+bool is_plain_file(const std::string& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
 /// The material files that `mtllib` lines name: one a line, with blanks in its name, or several.
 std::vector<std::string> libraries_in(const std::string& folder, const std::vector<std::string>& lines) {
   std::vector<std::string> names;
@@ -25,7 +31,8 @@ std::vector<std::string> libraries_in(const std::string& folder, const std::vect
     std::replace(line.begin(), line.end(), '\\', '/');
     std::istringstream words(line);
     const std::vector<std::string> each{std::istream_iterator<std::string>(words), {}};
-    const bool are_several = each.size() > 1 && !fs::exists(folder + line) && fs::exists(folder + each[0]);
+    const bool are_several =
+        each.size() > 1 && !is_plain_file(folder + line) && is_plain_file(folder + each[0]);
     if (are_several)
       names.insert(names.end(), each.begin(), each.end());
     else
@@ -39,9 +46,11 @@ std::map<std::string, std::string> picture_names(const ObjMesh& mesh, std::vecto
   std::map<std::string, std::string> names;
   const std::string folder = mesh.path.substr(0, mesh.path.find_last_of('/') + 1);
   for (const std::string& library : libraries_in(folder, mesh.libraries)) {
-    if (!fs::exists(folder + library))
+    if (!is_plain_file(folder + library)) {
       warnings->push_back("there is no material file " + folder + library +
                           ": the surface has no texture from it");
+      continue;
+    }
     names.merge(read_picture_names(folder + library, warnings));
   }
   for (const std::string& material : mesh.materials)
@@ -65,7 +74,7 @@ std::vector<Image> read_material_pictures(const ObjMesh& mesh, int most_side, st
     const auto [entry, fresh] = ids.insert({name->second, static_cast<int>(ids.size())});
     (*picture_of)[m] = entry->second;
     if (!fresh) continue;
-    if (!fs::exists(name->second))
+    if (!is_plain_file(name->second))
       throw SourceError(
           name->second, 0,
           "the picture of material '" + mesh.materials[m] + "' cannot be read (--texture none does without)");
