@@ -10,9 +10,11 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <stdexcept>
 
 #include "host/bake/at.hpp"
 #include "host/bake/symmetric_eigen.hpp"
+#include "host/io/bounding_box.hpp"
 
 namespace pliant::host::bake {
 
@@ -82,12 +84,9 @@ class ModeProblem {
  private:
   /// Scales the surface to a diagonal of 1.
   void normalise() {
-    Vec3 low = mesh_.position[0], high = low;
-    for (const Vec3 p : mesh_.position) {
-      low = min(low, p);
-      high = max(high, p);
-    }
-    diagonal_ = std::max(1e-12, static_cast<double>(length(high - low)));
+    const BoundingBox<Vec3> box(mesh_.position);
+    const Vec3 low = box.low;
+    diagonal_ = std::max(1e-12, static_cast<double>(length(box.size())));
     for (const Vec3 p : mesh_.position)
       position_.push_back(Vector(static_cast<double>(p.x - low.x), static_cast<double>(p.y - low.y),
                                  static_cast<double>(p.z - low.z)) /
@@ -275,6 +274,8 @@ class ModeProblem {
     const double shift = kTuning.shift * kTuning.thickness * kTuning.thickness / 12;
     for (Eigen::Index k = 0; k < shifted.rows(); ++k) shifted.coeffRef(k, k) += shift * mass_(k);
     factors_.compute(shifted);
+    if (factors_.info() != Eigen::Success)
+      throw std::runtime_error("the stiffness of the surface cannot be factorised");
     block_.resize(mass_.size(), size);
     std::uint32_t state = 12345;  // a fixed pseudo-random start
     for (Eigen::Index c = 0; c < size; ++c)

@@ -38,6 +38,7 @@ constexpr std::size_t kMostModeVertices = 20000;
 /// \param stiffness  with 1 the first mode moves the vertices by 5 % of the diagonal, root mean square, at one standard
 ///                   deviation; with 4 by half of it.
 /// \return fewer modes if the surface has fewer; none if there are more vertices than kMostModeVertices.
+/// Throws std::runtime_error if the numbers do not allow it, as those of a vertex that is not finite.
 BendingModes find_bending_modes(const BendingMesh& mesh, int count, float stiffness);
 
 }  // namespace pliant::host::bake

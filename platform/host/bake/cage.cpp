@@ -6,6 +6,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "host/bake/boundary_loops.hpp"
 #include "host/bake/source_error.hpp"
 #include "host/bake/text_table.hpp"
 
@@ -192,16 +193,9 @@ void wind_alike(Cage& cage, const std::string& file) {
 /// Winds all faces alike, and so that seen from outside u points right and v points down.
 void wind_faces(Cage& cage, const std::string& file) {
   wind_alike(cage, file);
-  float area =
-      0;  // twice the area over (u,v). Counter-clockwise seen from outside is negative, as v points down.
-  for (const CageFace& face : cage.faces) {
-    const auto& c = face.corners;
-    for (std::size_t k = 0; k < c.size(); ++k) {
-      const Vec2 p = cage.uv[static_cast<std::size_t>(c[k])],
-                 q = cage.uv[static_cast<std::size_t>(c[(k + 1) % c.size()])];
-      area += p.x * q.y - p.y * q.x;
-    }
-  }
+  // Twice the area over (u,v). Counter-clockwise seen from outside is negative, as v points down.
+  double area = 0;
+  for (const CageFace& face : cage.faces) area += doubled_loop_area(cage.uv, face.corners);
   if (area > 0)
     for (CageFace& face : cage.faces) reverse(face);
 }

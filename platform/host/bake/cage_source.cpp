@@ -11,6 +11,7 @@
 #include "host/bake/source_error.hpp"
 #include "host/bake/subdivision.hpp"
 #include "host/bake/text_table.hpp"
+#include "host/io/curve_kinds.hpp"
 
 namespace pliant::host::bake {
 
@@ -200,10 +201,9 @@ class CageSourceReader {
 
   void read_curves() {
     const TextTable table(folder_ + "/curves.txt", {"curve", "kind", "points..."});
-    constexpr const char* kKinds[] = {"lid", "lip", "brow", "boundary"};
     for (const TextRow& row : table.rows()) {
-      const auto kind = std::find(std::begin(kKinds), std::end(kKinds), row.cells[1]);
-      if (kind == std::end(kKinds))
+      const auto kind = std::find(std::begin(kCurveKindNames), std::end(kCurveKindNames), row.cells[1]);
+      if (kind == std::end(kCurveKindNames))
         table.fail(row, "kind '" + row.cells[1] + "' is none of lid, lip, brow, boundary");
       std::vector<int> points;
       for (const std::string& word : table.words(row, 2)) try {
@@ -211,7 +211,7 @@ class CageSourceReader {
         } catch (const std::invalid_argument& error) {
           table.fail(row, error.what());
         }
-      SourceCurve curve{table.name(row, 0), static_cast<CurveKind>(kind - std::begin(kKinds)), {}};
+      SourceCurve curve{table.name(row, 0), static_cast<CurveKind>(kind - std::begin(kCurveKindNames)), {}};
       for (int v : path_through(fine_, points)) curve.points.push_back(source_.uv[at(v)]);
       if (curve.points.size() < 2) table.fail(row, "a curve has at least two points");
       source_.curves.push_back(std::move(curve));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/bake/at.hpp"
+#include "host/io/bounding_box.hpp"
 
 namespace pliant::host::bake {
 
@@ -28,11 +29,8 @@ float near_range(float value, float low, float high) {
 
 FieldGrid grid_of(const ChartRaster& raster, const std::vector<Vec3>& values) {
   FieldGrid grid = empty_grid(raster.width, raster.height, 3);
-  Vec3 low = values[0], high = low;
-  for (const Vec3 p : values) {
-    low = min(low, p);
-    high = max(high, p);
-  }
+  const BoundingBox<Vec3> box(values);
+  const Vec3 low = box.low, high = box.high;
   for (std::size_t k = 0; k < raster.samples.size(); ++k) {
     const Vec3 p = value_at(raster.samples[k], values);
     grid.samples[3 * k] = near_range(p.x, low.x, high.x);

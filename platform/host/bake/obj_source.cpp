@@ -3,25 +3,23 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <iterator>
 #include <map>
-#include <sstream>
 
 #include "host/bake/albedo_picture.hpp"
 #include "host/bake/at.hpp"
-#include "host/bake/bending_modes.hpp"
 #include "host/bake/chart_raster.hpp"
 #include "host/bake/chart_relaxation.hpp"
-#include "host/bake/material_library.hpp"
+#include "host/bake/ibug_curves.hpp"
+#include "host/bake/material_pictures.hpp"
 #include "host/bake/obj_file.hpp"
 #include "host/bake/principal_components.hpp"
 #include "host/bake/source_error.hpp"
 #include "host/bake/surface_check.hpp"
+#include "host/bake/surface_modes.hpp"
 #include "host/bake/text_table.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
-#include "host/io/ibug_names.hpp"
 #include "host/io/words.hpp"
 
 namespace pliant::host::bake {
@@ -34,28 +32,10 @@ bool is_obj_file(const std::string& source) {
   return ends_with(in_lower_case(source), ".obj") && !fs::is_directory(source);
 }
 
-/// The material files that `mtllib` lines name: one a line, with blanks in its name, or several.
-std::vector<std::string> libraries_in(const std::string& folder, const std::vector<std::string>& lines) {
-  std::vector<std::string> names;
-  for (std::string line : lines) {
-    std::replace(line.begin(), line.end(), '\\', '/');
-    std::istringstream words(line);
-    const std::vector<std::string> each{std::istream_iterator<std::string>(words), {}};
-    const bool are_several = each.size() > 1 && !fs::exists(folder + line) && fs::exists(folder + each[0]);
-    if (are_several)
-      names.insert(names.end(), each.begin(), each.end());
-    else
-      names.push_back(line);
-  }
-  return names;
-}
-
 /// Vertices of a mesh, count, at most: about four samples of the largest rest shape each. Bounds the time.
 constexpr std::size_t kMostVertices = 250000;
 /// Largest distance of a vertex from the origin, millimetres: a tenth of what a table can hold.
 constexpr float kFarthestMm = 1e5f;
-/// Pictures of materials, count, at most. Bounds the memory.
-constexpr std::size_t kMostPictures = 64;
 /// Corners of a polygon that are tried as the apex of its fan, count, at most. Bounds the time.
 constexpr std::size_t kMostApexes = 64;
 
@@ -109,7 +89,7 @@ class FolderReader {
     read_albedo();
     read_landmarks();
     set_origin();
-    add_curves();
+    source_.curves = ibug_curves(source_.landmarks);
     return std::move(source_);
   }
 
@@ -118,7 +98,12 @@ class FolderReader {
   std::string rest_path() const {
     const auto neutral = std::find_if(files_.begin(), files_.end(),
                                       [](const std::string& path) { return name_of(path) == "neutral"; });
-    return files_.size() == 1 ? files_[0] : neutral != files_.end() ? *neutral : folder_ + "/neutral.obj";
+    if (files_.size() > 1 && neutral == files_.end())
+      throw SourceError(
+          folder_, 0,
+          "has " + std::to_string(files_.size()) +
+              " OBJ files, and none is neutral.obj, the rest shape (--pca N takes all as scans)");
+    return files_.size() == 1 ? files_[0] : *neutral;
   }
   void report_progress(std::size_t done) const {
     if (options_.progress) options_.progress("files", done, files_.size());
@@ -263,96 +248,38 @@ class FolderReader {
     }
   }
 
-  /// Adds the bending modes of the rest shape. Vertices at one place move alike, so that cuts of the chart do not open.
+  /// Adds the bending modes of the rest shape.
   void add_modes() {
     if (options_.modes == 0) return;
-    BendingMesh mesh;
-    std::map<std::array<float, 3>, int> places;
-    std::vector<int> place_of;
-    for (const Vec3 p : source_.neutral) {
-      const auto [entry, fresh] = places.insert({{p.x, p.y, p.z}, static_cast<int>(places.size())});
-      if (fresh) mesh.position.push_back(p);
-      place_of.push_back(entry->second);
-    }
-    if (mesh.position.size() > kMostModeVertices)
-      throw SourceError(rest_.path, 0,
-                        "has " + std::to_string(mesh.position.size()) + " vertices, more than " +
-                            std::to_string(kMostModeVertices) + ", for --modes: reduce the mesh");
-    mesh.is_fixed.assign(mesh.position.size(), 0);
+    std::vector<char> is_fixed(source_.neutral.size(), 0);
     for (std::size_t polygon = 0, k = 0; polygon < rest_.polygon_end.size(); ++polygon)
       for (; k < at(rest_.polygon_end[polygon]); ++k)
-        if (rest_.is_fixed[polygon]) mesh.is_fixed[at(place_of[at(id_of_corner_[k])])] = 1;
-    mesh.triangles = source_.triangles;
-    for (auto& t : mesh.triangles)
-      for (int& v : t) v = place_of[at(v)];
-    const BendingModes modes = find_bending_modes(mesh, options_.modes, options_.stiffness);
-    if (modes.displacement.size() < at(options_.modes))
-      throw SourceError(rest_.path, 0,
-                        "has only " + std::to_string(modes.displacement.size()) + " bending modes, not " +
-                            std::to_string(options_.modes));
-    const auto placed_at = [&place_of](const std::vector<Vec3>& of_places) {
-      std::vector<Vec3> result;
-      for (const int place : place_of) result.push_back(of_places[at(place)]);
-      return result;
-    };
+        if (rest_.is_fixed[polygon]) is_fixed[at(id_of_corner_[k])] = 1;
+    BendingModes modes = surface_modes(source_, is_fixed, options_.modes, options_.stiffness, rest_.path);
     const std::size_t first = source_.parameters.size();
     for (std::size_t k = 0; k < modes.displacement.size(); ++k) {
       add_parameter(rest_.path, (k < 10 ? "mode0" : "mode") + std::to_string(k), Group::expression,
-                    placed_at(modes.displacement[k]));
+                    std::move(modes.displacement[k]));
       SourceParameter& p = source_.parameters.back();
       p.minimum = -3, p.maximum = 3, p.sd = 1;
     }
-    for (const ModeCorrection& c : modes.corrections)
+    for (ModeCorrection& c : modes.corrections)
       source_.shapes.push_back(
-          {first + c.first, placed_at(c.displacement), {}, {}, {}, -1, static_cast<int>(first + c.second)});
+          {first + c.first, std::move(c.displacement), {}, {}, {}, -1, static_cast<int>(first + c.second)});
   }
 
   void read_albedo() {
     if (options_.texture == "none") return;
-    std::vector<int> picture_of(rest_.materials.size(), -1);
-    if (!options_.texture.empty()) {
+    std::vector<int> picture_of(rest_.materials.size(), 0);
+    if (options_.texture.empty())
+      painted_.pictures =
+          read_material_pictures(rest_, options_.most_texture_side, &picture_of, &source_.warnings);
+    else
       painted_.pictures.push_back(read_image(options_.texture));
-      std::fill(picture_of.begin(), picture_of.end(), 0);
-    } else {
-      find_pictures(picture_of);
-    }
     if (painted_.pictures.empty()) return;
     for (int& picture : painted_.picture) picture = picture_of[at(picture)];  // so far, of the material
     source_.albedo = albedo_of(source_, painted_, options_.most_texture_side);
     source_.has_print = true;
-  }
-
-  /// Reads the pictures of the materials; each picture once.
-  void find_pictures(std::vector<int>& picture_of) {
-    std::map<std::string, std::string> names;
-    const std::string folder = rest_.path.substr(0, rest_.path.find_last_of('/') + 1);
-    for (const std::string& library : libraries_in(folder, rest_.libraries)) {
-      if (!fs::exists(folder + library))
-        source_.warnings.push_back("there is no material file " + folder + library +
-                                   ": the surface has no texture from it");
-      names.merge(read_picture_names(folder + library, &source_.warnings));
-    }
-    for (const std::string& material : rest_.materials)
-      if (!names.empty() && !material.empty() && names.count(material) == 0)
-        source_.warnings.push_back("no material file has the material '" + material +
-                                   "': its part of the surface has no texture");
-    std::map<std::string, int> ids;
-    for (std::size_t m = 0; m < rest_.materials.size(); ++m) {
-      const auto name = names.find(rest_.materials[m]);
-      if (name == names.end() || name->second.empty()) continue;
-      const auto [entry, fresh] = ids.insert({name->second, static_cast<int>(ids.size())});
-      if (fresh) {
-        if (!fs::exists(name->second))
-          throw SourceError(name->second, 0,
-                            "the picture of material '" + rest_.materials[m] +
-                                "' cannot be read (--texture none does without)");
-        if (ids.size() > kMostPictures)
-          throw SourceError(rest_.path, 0, "has more than " + std::to_string(kMostPictures) + " pictures");
-        painted_.pictures.push_back(
-            shrunk_to(read_image(name->second), options_.most_texture_side, options_.most_texture_side));
-      }
-      picture_of[m] = entry->second;
-    }
   }
 
   /// Changes what parameters.txt lists.
@@ -405,34 +332,6 @@ class FolderReader {
     if (right == landmark_vertex_.end() || left == landmark_vertex_.end()) return;
     const Vec3 origin = 0.5f * (source_.neutral[at(right->second)] + source_.neutral[at(left->second)]);
     for (Vec3& p : source_.neutral) p = p - origin;
-  }
-
-  struct IbugCurve {
-    const char* name;
-    CurveKind kind;
-    int first, last, close;  // from landmark to landmark, then to `close` unless it is negative
-  };
-
-  void add_curves() {
-    constexpr IbugCurve kCurves[] = {
-        {"outline", CurveKind::boundary, 0, 16, -1},     {"brow_right", CurveKind::brow, 17, 21, -1},
-        {"brow_left", CurveKind::brow, 22, 26, -1},      {"lid_upper_right", CurveKind::lid, 36, 39, -1},
-        {"lid_lower_right", CurveKind::lid, 39, 41, 36}, {"lid_upper_left", CurveKind::lid, 42, 45, -1},
-        {"lid_lower_left", CurveKind::lid, 45, 47, 42},  {"lip_outer_upper", CurveKind::lip, 48, 54, -1},
-        {"lip_outer_lower", CurveKind::lip, 54, 59, 48}, {"lip_inner_upper", CurveKind::lip, 60, 64, -1},
-        {"lip_inner_lower", CurveKind::lip, 64, 67, 60}};
-    for (const IbugCurve& c : kCurves) {
-      SourceCurve curve{c.name, c.kind, {}};
-      bool complete = true;
-      const auto append = [&](int k) {
-        const auto vertex = landmark_vertex_.find(ibug_name(k));
-        complete &= vertex != landmark_vertex_.end();
-        if (complete) curve.points.push_back(source_.uv[at(vertex->second)]);
-      };
-      for (int k = c.first; k <= c.last; ++k) append(k);
-      if (c.close >= 0) append(c.close);
-      if (complete) source_.curves.push_back(std::move(curve));
-    }
   }
 
   const std::string folder_;

@@ -11,6 +11,7 @@
 #include "host/bake/chart_raster.hpp"
 #include "host/bake/source_error.hpp"
 #include "host/bake/text_table.hpp"
+#include "host/io/bounding_box.hpp"
 #include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
 
@@ -97,7 +98,7 @@ class Painter {
     random_.seed(layer.seed);
     mark_region(layer.region);
     if (layer.kind == "fill")
-      each(0, side_ - 1, 0, side_ - 1, [&](Pixel& p, float) { blend(p, layer.tone, layer.amount); });
+      each(0, side_ - 1, 0, side_ - 1, [&](Pixel& p) { blend(p, layer.tone, layer.amount); });
     if (layer.kind == "noise") add_noise(layer);
     if (layer.kind == "shade" || layer.kind == "disc") add_shade(layer);
     if (layer.kind == "spots") add_spots(layer);
@@ -141,14 +142,14 @@ class Painter {
     for (int j = std::max(top, 0); j <= std::min(bottom, side_ - 1); ++j)
       for (int i = std::max(left, 0); i <= std::min(right, side_ - 1); ++i) {
         Pixel& p = pixels_[at(j * side_ + i)];
-        if (p.face < 0 ? takes_outside_ : static_cast<bool>(in_region_[at(p.face)])) f(p, 0.0f);
+        if (p.face < 0 ? takes_outside_ : static_cast<bool>(in_region_[at(p.face)])) f(p);
       }
   }
 
   void add_noise(const Layer& layer) {
     Noise noise(layer.seed);
     each(0, side_ - 1, 0, side_ - 1,
-         [&](Pixel& p, float) { p.tone += layer.amount * noise((1 / layer.size) * p.position); });
+         [&](Pixel& p) { p.tone += layer.amount * noise((1 / layer.size) * p.position); });
   }
 
   /// Blends towards a tone near a line: with a soft edge ("shade") or a sharp one ("disc").
@@ -156,35 +157,30 @@ class Painter {
     const auto path = path_through(canvas_.fine, layer.points);
     for (const float side : {1.0f, -1.0f}) {
       std::vector<Vec3> line;
-      Vec2 least{1, 1}, most{0, 0};
+      BoundingBox<Vec2> chart;
       for (int v : path) {
         const Vec3 p = canvas_.position[at(v)];
         line.push_back({side * p.x, p.y, p.z});
-        const Vec2 uv{side > 0 ? canvas_.uv[at(v)].x : 1 - canvas_.uv[at(v)].x, canvas_.uv[at(v)].y};
-        least = min(least, uv);
-        most = max(most, uv);
+        chart.add({side > 0 ? canvas_.uv[at(v)].x : 1 - canvas_.uv[at(v)].x, canvas_.uv[at(v)].y});
       }
+      const Vec2 least = chart.low, most = chart.high;
       if (side < 0 && least.x <= 0.5f && most.x >= 0.5f && symmetric(line)) break;
-      Vec3 low = line[0], high = line[0];  // of the places that the line may reach, mm
-      for (const Vec3 p : line) {
-        low = min(low, p);
-        high = max(high, p);
-      }
+      BoundingBox<Vec3> reached(line);  // the places that the line may reach, mm
       const float beside = 1.01f * layer.size + kTuning.disc_edge_mm;
-      low = low - Vec3{beside, beside, beside};
-      high = high + Vec3{beside, beside, beside};
+      reached.low = reached.low - Vec3{beside, beside, beside};
+      reached.high = reached.high + Vec3{beside, beside, beside};
       const float reach = layer.size * kTuning.chart_per_mm + kTuning.chart_margin,
                   n = static_cast<float>(side_ - 1);
       each(static_cast<int>((least.x - reach) * n), static_cast<int>((most.x + reach) * n),
-           static_cast<int>((least.y - reach) * n), static_cast<int>((most.y + reach) * n),
-           [&](Pixel& p, float) {
-             if (beyond(low, high, p.position)) return;
+           static_cast<int>((least.y - reach) * n), static_cast<int>((most.y + reach) * n), [&](Pixel& p) {
+             if (beyond(reached, p.position)) return;
              blend(p, layer.tone, layer.amount * nearness(layer, line, p.position));
            });
     }
   }
 
-  static bool beyond(Vec3 low, Vec3 high, Vec3 p) {
+  static bool beyond(const BoundingBox<Vec3>& box, Vec3 p) {
+    const Vec3 low = box.low, high = box.high;
     return p.x < low.x || p.x > high.x || p.y < low.y || p.y > high.y || p.z < low.z || p.z > high.z;
   }
 
@@ -221,7 +217,7 @@ class Painter {
       if (centre.face < 0 || !in_region_[at(centre.face)]) continue;
       const Vec3 c = centre.position;
       const int reach = static_cast<int>(size * kTuning.chart_per_mm * static_cast<float>(side_)) + 1;
-      each(i - reach, i + reach, j - reach, j + reach, [&](Pixel& p, float) {
+      each(i - reach, i + reach, j - reach, j + reach, [&](Pixel& p) {
         const float d = length(p.position - c) / size;
         if (d < 1) blend(p, layer.tone, strength * (1 - d * d));
       });
@@ -263,7 +259,7 @@ class Painter {
       Vec2 p = from + t * (to - from);
       if (mirrored) p.x = 1 - p.x;
       const int i = static_cast<int>(std::lround(p.x * n)), j = static_cast<int>(std::lround(p.y * n));
-      each(i, i, j, j, [&](Pixel& q, float) { blend(q, layer.tone, strength * (1 - 0.6f * t)); });
+      each(i, i, j, j, [&](Pixel& q) { blend(q, layer.tone, strength * (1 - 0.6f * t)); });
     }
   }
 
@@ -285,8 +281,8 @@ Layer layer_of(const TextTable& table, const TextRow& row, const Painter& painte
   if (!painter.knows_region(layer.region)) table.fail(row, "unknown region '" + layer.region + "'");
   const auto check_range = [&](const char* what, float value, float low, float high) {
     if (!(value >= low && value <= high))
-      table.fail(row, std::string("the ") + what + " is not from " + number_text(static_cast<double>(low)) +
-                          " to " + number_text(static_cast<double>(high)));
+      table.fail(row,
+                 std::string("the ") + what + " is not from " + short_text(low) + " to " + short_text(high));
   };
   // With these no position, reach or count below leaves the range of an int, and no tone that of a float.
   check_range("tone", layer.tone, 0, 255);

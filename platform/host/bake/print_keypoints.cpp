@@ -5,6 +5,8 @@
 #include <cstring>
 
 #include "host/bake/print_views.hpp"
+#include "host/io/bounding_box.hpp"
+#include "host/io/table_checksum.hpp"
 #include "print/descriptor.hpp"
 #include "print/print_tuning.hpp"
 
@@ -43,18 +45,17 @@ struct SurfaceSize {
 };
 
 SurfaceSize size_of(const SurfaceSheet& sheet, const ChartImage& albedo) {
-  Vec3 low{1e9f, 1e9f, 1e9f}, high{-1e9f, -1e9f, -1e9f};
+  BoundingBox<Vec3> box;
   float area = 0, chart = 0;
   sheet.for_each_triangle([&](std::size_t a, std::size_t b, std::size_t c) {
     if (!sheet.is_used(a) || !sheet.is_used(b) || !sheet.is_used(c)) return;
     const Vec3 p = sheet.position(a);
-    low = min(low, p);
-    high = max(high, p);
+    box.add(p);
     area += 0.5f * length(cross(sheet.position(b) - p, sheet.position(c) - p));
     chart += 0.5f / static_cast<float>(sheet.cells() * sheet.cells());
   });
   const float pixels = chart * static_cast<float>(albedo.width) * static_cast<float>(albedo.height);
-  return {length(high - low), std::sqrt(pixels / std::max(area, 1e-12f))};
+  return {length(box.size()), std::sqrt(pixels / std::max(area, 1e-12f))};
 }
 
 std::vector<float> levels_of(const SurfaceSize& size) {
@@ -147,18 +148,16 @@ std::vector<std::uint8_t> written(const std::vector<Quat>& views, const std::vec
   append(bytes, views);
   append(bytes, levels);
   append(bytes, keypoints);
-  PrintHeader h{kPrintMagic,
-                static_cast<std::uint32_t>(bytes.size()),
-                0,
-                static_cast<std::uint16_t>(keypoints.size()),
-                static_cast<std::uint16_t>(views.size()),
-                static_cast<std::uint16_t>(levels.size()),
-                0,
-                extent_mm};
+  const PrintHeader h{kPrintMagic,
+                      static_cast<std::uint32_t>(bytes.size()),
+                      0,
+                      static_cast<std::uint16_t>(keypoints.size()),
+                      static_cast<std::uint16_t>(views.size()),
+                      static_cast<std::uint16_t>(levels.size()),
+                      0,
+                      extent_mm};
   std::memcpy(bytes.data(), &h, sizeof h);
-  constexpr std::size_t kSummedFrom = offsetof(PrintHeader, keypoint_count);
-  h.crc32 = crc32(bytes.data() + kSummedFrom, bytes.size() - kSummedFrom);
-  std::memcpy(bytes.data(), &h, sizeof h);
+  set_checksum<PrintHeader>(bytes);
   return bytes;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/io/bounding_box.hpp"
 #include "host/render/raster.hpp"
 #include "pliant/camera.hpp"
 #include "print/descriptor.hpp"
@@ -121,16 +122,16 @@ struct PrintProjection {
   PrintProjection(const SurfaceSheet& sheet, Quat view, float scale) {
     const Projector rotation(View{view, 1, {}, kMinRho, {}}, true);
     std::vector<Vec3> p(sheet.index(0, sheet.cells() + 1));
-    Vec3 low{1e9f, 1e9f, 1e9f}, high{-1e9f, -1e9f, -1e9f};
+    BoundingBox<Vec3> box;
     for (std::size_t k = 0; k < p.size(); ++k) {
       if (!sheet.is_used(k)) continue;
       p[k] = rotation.rotated(sheet.position(k));
-      low = min(low, p[k]);
-      high = max(high, p[k]);
+      box.add(p[k]);
     }
-    width = static_cast<int>(scale * (high.x - low.x)) + 2 * kMargin + 1;
-    height = static_cast<int>(scale * (high.y - low.y)) + 2 * kMargin + 1;
-    const float eye = kTuning.eye_extents * (length(high - low) + 1e-6f);
+    const Vec3 low = box.low, size = box.size();
+    width = static_cast<int>(scale * size.x) + 2 * kMargin + 1;
+    height = static_cast<int>(scale * size.y) + 2 * kMargin + 1;
+    const float eye = kTuning.eye_extents * (length(size) + 1e-6f);
     corners.resize(p.size());
     for (std::size_t k = 0; k < p.size(); ++k)
       if (sheet.is_used(k))

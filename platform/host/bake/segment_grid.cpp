@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/bake/at.hpp"
+#include "host/io/bounding_box.hpp"
 
 namespace pliant::host::bake {
 
@@ -51,16 +52,14 @@ bool covers_neighbour(const Segment& s, const Segment& t) {
 
 SegmentGrid::SegmentGrid(const std::vector<Segment>& segments) : segments_(segments) {
   if (segments.empty()) return;
-  Vec2 low = segments[0].a, high = low;
+  BoundingBox<Vec2> box;
   for (const Segment& s : segments)
-    for (const Vec2 p : {s.a, s.b}) {
-      low = min(low, p);
-      high = max(high, p);
-    }
+    for (const Vec2 p : {s.a, s.b}) box.add(p);
+  const Vec2 low = box.low, size = box.size();
   const int n = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(segments.size()))), 1, kMostCells);
   cells_.resize(at(n * n));
-  const float w = static_cast<float>(n) / std::max(high.x - low.x, 1e-20f),
-              h = static_cast<float>(n) / std::max(high.y - low.y, 1e-20f);
+  const float w = static_cast<float>(n) / std::max(size.x, 1e-20f),
+              h = static_cast<float>(n) / std::max(size.y, 1e-20f);
   const auto cell = [n](float x) { return std::clamp(static_cast<int>(x), 0, n - 1); };
   for (std::size_t i = 0; i < segments.size(); ++i) {
     Vec2 a{(segments[i].a.x - low.x) * w, (segments[i].a.y - low.y) * h},

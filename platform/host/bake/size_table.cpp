@@ -32,11 +32,8 @@ SizeRow finest_within(const Source& source, const BakeOptions& options, std::siz
   for (const int size : {256, 192, 128, 112, 96, 80, 64, 56, 48, 40, 32, 24, 16}) {
     const std::size_t rest_shape_bytes = 6 * std::size_t{4} * static_cast<std::size_t>(size * size);
     if (rest_shape_bytes > most_bytes) continue;
-    BakeOptions trial = options;
-    trial.size = size;
-    trial.bits = 8;
-    trial.progress = nullptr;
-    if (bake_source(source, trial).size() <= most_bytes) return row_of(source, options, size, 8);
+    const SizeRow row = row_of(source, options, size, 8);
+    if (row.table_bytes <= most_bytes) return row;
   }
   return {};
 }

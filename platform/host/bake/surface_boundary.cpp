@@ -2,25 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "host/bake/at.hpp"
+#include "host/bake/boundary_loops.hpp"
 
 namespace pliant::host::bake {
-
-namespace {
-
-double doubled_area(const Source& source, const BoundaryLoop& loop) {
-  double sum = 0;
-  for (std::size_t k = 0; k < loop.vertices.size(); ++k) {
-    const Vec2 a = source.uv[at(loop.vertices[k])],
-               b = source.uv[at(loop.vertices[(k + 1) % loop.vertices.size()])];
-    sum += static_cast<double>(a.x * b.y - a.y * b.x);
-  }
-  return sum;
-}
-
-}  // namespace
 
 SurfaceBoundary find_boundary(const Source& source, bool half) {
   SurfaceBoundary boundary;
@@ -41,34 +27,31 @@ SurfaceBoundary find_boundary(const Source& source, bool half) {
       uses.push_back({{b, a}, boundary.is_inside[f] ? kBack : source.is_hole[f] ? kHole : kOtherHalf});
     }
   std::sort(uses.begin(), uses.end());
-  std::map<int, std::pair<int, Side>> next;
+  std::vector<int> next(source.uv.size(), -1);  // along the boundary
+  std::vector<Side> side(source.uv.size());     // of the edge from each vertex of the boundary
   for (auto use = uses.begin(); use != uses.end();) {
     const auto [a, b] = use->first;
     unsigned all = 0;
     for (const auto edge = use->first; use != uses.end() && use->first == edge; ++use) all |= use->second;
-    if ((all & kForth) != 0 && (all & kBack) == 0)
-      next[a] = {b, (all & kHole) != 0        ? Side::opening
-                    : (all & kOtherHalf) != 0 ? Side::other_half
-                                              : Side::outside};
+    if ((all & kForth) == 0 || (all & kBack) != 0) continue;
+    next[at(a)] = b;
+    side[at(a)] = (all & kHole) != 0        ? Side::opening
+                  : (all & kOtherHalf) != 0 ? Side::other_half
+                                            : Side::outside;
   }
-  while (!next.empty()) {
+  std::vector<std::pair<double, std::vector<int>>> by_area;
+  for (auto& loop : trace_loops(std::move(next))) {
+    const double area = doubled_loop_area(source.uv, loop);
+    by_area.emplace_back(area, std::move(loop));
+  }
+  std::sort(by_area.begin(), by_area.end(),
+            [](const auto& a, const auto& b) { return std::fabs(a.first) > std::fabs(b.first); });
+  for (auto& [area, vertices] : by_area) {
     BoundaryLoop loop;
-    int v = next.begin()->first;
-    for (auto step = next.find(v); step != next.end(); step = next.find(v)) {
-      loop.vertices.push_back(v);
-      loop.sides.push_back(step->second.second);
-      v = step->second.first;
-      next.erase(step);
-    }
+    loop.is_hole = (area > 0) != (by_area[0].first > 0);
+    for (const int v : vertices) loop.sides.push_back(loop.is_hole ? Side::opening : side[at(v)]);
+    loop.vertices = std::move(vertices);
     boundary.loops.push_back(std::move(loop));
-  }
-  std::sort(boundary.loops.begin(), boundary.loops.end(), [&](const BoundaryLoop& a, const BoundaryLoop& b) {
-    return std::fabs(doubled_area(source, a)) > std::fabs(doubled_area(source, b));
-  });
-  for (BoundaryLoop& loop : boundary.loops) {
-    loop.is_hole = (doubled_area(source, loop) > 0) != (doubled_area(source, boundary.loops[0]) > 0);
-    if (!loop.is_hole) continue;
-    for (Side& s : loop.sides) s = Side::opening;
   }
   return boundary;
 }

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "host/bake/at.hpp"
+#include "host/bake/boundary_loops.hpp"
 #include "host/bake/chart_raster.hpp"
 #include "host/bake/segment_grid.hpp"
 
@@ -99,47 +100,24 @@ class Checker {
 
   /// Loops do not cross here, so that one vertex of a loop tells where the whole of it lies.
   Found check_nesting() {
-    if (loops().size() > kMostLoops)
-      return SurfaceDefect{"the surface has " + std::to_string(loops().size()) +
+    std::vector<int> next(uv_.size(), -1);
+    for (const auto& [from, e] : next_) next[at(from)] = e.to;
+    const auto loops = trace_loops(std::move(next));
+    if (loops.size() > kMostLoops)
+      return SurfaceDefect{"the surface has " + std::to_string(loops.size()) +
                                " openings and parts, more than " + std::to_string(kMostLoops),
                            0};
-    for (const std::vector<int>& loop : loops()) {
+    for (const std::vector<int>& loop : loops) {
       const Vec2 p = uv_[at(loop[0])];
       int winding = 0;
-      for (const std::vector<int>& other : loops())
+      for (const std::vector<int>& other : loops)
         if (other[0] != loop[0]) winding += winding_of(other, p);
-      const bool is_hole = doubled_area(loop) > 0;
+      const bool is_hole = doubled_loop_area(uv_, loop) > 0;
       if (winding != (is_hole ? 1 : 0))
         return SurfaceDefect{"the chart overlaps itself: a part of the surface lies upon another",
                              next_.at(loop[0]).triangle};
     }
     return {};
-  }
-
-  const std::vector<std::vector<int>>& loops() {
-    if (!loops_.empty()) return loops_;
-    auto rest = next_;
-    while (!rest.empty()) {
-      std::vector<int> loop;
-      int v = rest.begin()->first;
-      for (auto step = rest.find(v); step != rest.end(); step = rest.find(v)) {
-        loop.push_back(v);
-        v = step->second.to;
-        rest.erase(step);
-      }
-      loops_.push_back(std::move(loop));
-    }
-    return loops_;
-  }
-
-  double doubled_area(const std::vector<int>& loop) const {
-    double sum = 0;
-    for (std::size_t k = 0; k < loop.size(); ++k) {
-      const Vec2 a = uv_[at(loop[k])], b = uv_[at(loop[(k + 1) % loop.size()])];
-      sum += static_cast<double>(a.x) * static_cast<double>(b.y) -
-             static_cast<double>(a.y) * static_cast<double>(b.x);
-    }
-    return sum;
   }
 
   /// Times that the loop runs around p; positive in the direction of an outer loop, which is clockwise.
@@ -159,7 +137,6 @@ class Checker {
   const std::vector<std::array<int, 3>>& triangles_;
   std::vector<DirectedEdge> edges_, boundary_;
   std::map<int, DirectedEdge> next_;  // the boundary edge from a vertex
-  std::vector<std::vector<int>> loops_;
 };
 
 }  // namespace

@@ -12,6 +12,7 @@ struct SymmetricEigen {
 };
 
 /// \param a  n x n, symmetric; the lower triangle is read.
+/// Both throw std::runtime_error if a matrix is not finite, `b` not positive definite, or the iteration does not converge.
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a);
 
 /// The generalised problem a v = value b v.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host/bake/source_error.hpp"
+#include "host/io/table_checksum.hpp"
 
 namespace pliant::host::bake {
 
@@ -64,10 +65,10 @@ class Layout {
   }
 
   std::vector<std::uint8_t> finish() {
-    table::Header h{table::kMagic, table::kVersion, static_cast<std::uint32_t>(bytes_.size()), 0, count_};
+    const table::Header h{table::kMagic, table::kVersion, static_cast<std::uint32_t>(bytes_.size()), 0,
+                          count_};
     std::memcpy(bytes_.data(), &h, sizeof h);
-    h.crc32 = crc32(bytes_.data() + 16, bytes_.size() - 16);
-    std::memcpy(bytes_.data(), &h, sizeof h);
+    set_checksum<table::Header>(bytes_);
     return std::move(bytes_);
   }
 

@@ -7,6 +7,7 @@
 #include "host/bench/random.hpp"
 #include "host/bench/rows.hpp"
 #include "host/bench/still_film.hpp"
+#include "host/io/bounding_box.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
 #include "host/learn/other_pictures.hpp"
@@ -85,17 +86,16 @@ std::vector<std::optional<Vec2>> project_grid(const Model& model, Cascade& casca
 /// Mean distance, as a fraction of the diagonal of the true points' box.
 double surface_error(const std::vector<std::optional<Vec2>>& a,
                      const std::vector<std::optional<Vec2>>& truth) {
-  Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
+  BoundingBox<Vec2> box;
   double sum = 0;
   int count = 0;
   for (std::size_t k = 0; k < truth.size(); ++k) {
     if (!truth[k]) continue;
-    low = min(low, *truth[k]);
-    high = max(high, *truth[k]);
+    box.add(*truth[k]);
     sum += a[k] ? static_cast<double>(length(*a[k] - *truth[k])) : 1e3;
     ++count;
   }
-  return sum / std::max(count, 1) / static_cast<double>(length(high - low));
+  return count == 0 ? 0 : sum / count / static_cast<double>(length(box.size()));
 }
 
 double rotation_degrees(Quat a, Quat b) {

@@ -93,13 +93,12 @@ int run_animate(const Args& args, Console& console) {
   const std::string output = args.required("-o");
   args.required("--params");
   const bool is_folder = ends_with(output, "/") || std::filesystem::is_directory(output);
-  if (!is_folder && !ends_with(output, ".glb"))
+  if (!is_folder && !ends_with(in_lower_case(output), ".glb"))
     fail_usage("-o must end in .glb, or in / for a folder of OBJ files: " + output);
   if (is_folder)
     args.refuse({"--image", "--tolerance"},
                 "is of a GLB: the OBJ files of a folder have neither texture nor targets");
-  if (args.has("--image") && !args.has("--identity"))
-    fail_usage("--image needs --identity: the fit in that picture");
+  args.check_needs("--image", "--identity");
   const int vertices = args.integer("--vertices", 2000, 16, 11000);
   const auto tolerance = static_cast<float>(args.number("--tolerance", 0.1, 0, 1000));
   const ModelFile file(args.operand(0));

@@ -1,6 +1,5 @@
 // `pliant bake`: makes a model table from a readable source.
 #include <algorithm>
-#include <memory>
 #include <string>
 
 #include "host/bake/bake.hpp"
@@ -96,12 +95,9 @@ int run_bake(const Args& args, Console& console) {
     args.refuse({"-o", "--embed", "--errors", "--size", "--bits"},
                 "does not apply to --sizes, which compares sizes and writes no table");
   bake::BakeOptions options = bake_options(args);
-  std::unique_ptr<Progress> progress;
-  std::string stage;
-  options.progress = [&](const char* now, std::size_t done, std::size_t of) {
-    if (stage != now) progress = std::make_unique<Progress>(console, now, of);
-    stage = now;
-    progress->show(done);
+  StageProgress progress(console);
+  options.progress = [&](const char* stage, std::size_t done, std::size_t of) {
+    progress.show(stage, done, of);
   };
   if (const auto sizes = args.text("--sizes")) {
     const int flash_kib = args.integer("--flash", 512, 1, 1 << 20);
@@ -113,7 +109,7 @@ int run_bake(const Args& args, Console& console) {
   std::string error;
   bake::BakeReport report;
   if (!bake::bake(options, table, error, &report)) throw Failure(kBadInput, error);
-  progress.reset();
+  progress.finish();
   write_file(output, {reinterpret_cast<const char*>(table.data()), table.size()});
   if (const auto source = args.text("--embed"))
     write_file(*source, bake::embedded(table, bake::array_name(*source)));

@@ -115,4 +115,15 @@ void Progress::show(std::size_t count) {
   shown_ = true;
 }
 
+void StageProgress::show(const char* stage, std::size_t done, std::size_t of) {
+  if (stage_ != stage || of_ != of || done < done_) counter_.reset();
+  if (counter_ == nullptr) {
+    stage_ = stage;
+    of_ = of;
+    counter_ = std::make_unique<Progress>(console_, stage_.c_str(), of);
+  }
+  done_ = done;
+  counter_->show(done);
+}
+
 }  // namespace pliant::host

@@ -2,6 +2,7 @@
 /// \file command.hpp
 /// The `pliant` program: its commands, and a function that runs them.
 #include <chrono>
+#include <memory>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -67,6 +68,21 @@ class Progress {
   std::size_t of_;
   std::chrono::steady_clock::time_point began_;
   bool shown_ = false;
+};
+
+/// Shows each stage of a command with a counter of its own; also a stage that begins again.
+class StageProgress {
+ public:
+  explicit StageProgress(Console& console) : console_(console) {}
+  void show(const char* stage, std::size_t done, std::size_t of);
+  /// Ends the counter's line.
+  void finish() { counter_.reset(); }
+
+ private:
+  Console& console_;
+  std::string stage_;
+  std::size_t done_ = 0, of_ = 0;
+  std::unique_ptr<Progress> counter_;
 };
 
 }  // namespace pliant::host

@@ -102,7 +102,7 @@ void check_usage(const Args& args) {
   if (!args.has("--points") && !args.has("--box") && !args.has("--pose") && !args.has("--image"))
     fail_usage("one of --points, --box, --pose and --image is needed");
   if (args.has("--box") && args.has("--pose")) fail_usage("--box and --pose exclude each other");
-  if (args.has("--texture") && !args.has("--image")) fail_usage("--texture needs the photograph: --image");
+  args.check_needs("--texture", "--image");
   args.check_needs("--box-of", "--box");
   args.check_needs("--silhouette", "--points");
 }
@@ -205,7 +205,7 @@ void warn_of(const FitFile& fit, bool has_points, Console& console) {
 FitSetup fit_setup(const Args& args, const Model& model, const ImageSize& size, std::ostream& err) {
   FitSetup setup;
   setup.size = size;
-  setup.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
+  setup.focal_px = focal_of(args, setup.size, err);
   setup.camera = calibration_of(args, setup.size, err);
   setup.is_free = free_parameters(model, args.text("--parameters"));
   setup.match_silhouette = matches_silhouette(args);

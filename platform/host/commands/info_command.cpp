@@ -5,6 +5,8 @@
 
 #include "host/commands/command.hpp"
 #include "host/commands/tracker_limits.hpp"
+#include "host/io/bounding_box.hpp"
+#include "host/io/curve_kinds.hpp"
 #include "host/io/files.hpp"
 #include "host/io/owned.hpp"
 #include "pliant/cascade.hpp"
@@ -47,9 +49,8 @@ const char* name_of(Operation operation) {
 }
 
 const char* name_of(CurveKind kind) {
-  constexpr const char* kNames[] = {"lid", "lip", "brow", "boundary"};
   const auto k = static_cast<std::size_t>(kind);
-  return k < std::size(kNames) ? kNames[k] : "?";
+  return k < std::size(kCurveKindNames) ? kCurveKindNames[k] : "?";
 }
 
 std::size_t sample_bytes(const Field& f) {
@@ -89,13 +90,9 @@ void print_bytes(const Model& model, std::ostream& out) {
 void print_size(const Model& model, std::ostream& out) {
   Owned<Cascade> cascade(model);
   const std::vector<float> q(model.parameters().count, 0.0f);
-  Vec3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
-  for (const Vec2 uv : model.base_uv()) {
-    const Vec3 p = cascade->surface_point(uv, q.data());
-    low = min(low, p);
-    high = max(high, p);
-  }
-  const Vec3 size = high - low;
+  BoundingBox<Vec3> box;
+  for (const Vec2 uv : model.base_uv()) box.add(cascade->surface_point(uv, q.data()));
+  const Vec3 size = box.size();
   print(out, "size at rest: %.4g x %.4g x %.4g mm\n", static_cast<double>(size.x),
         static_cast<double>(size.y), static_cast<double>(size.z));
 }

@@ -1,6 +1,4 @@
 // `pliant learn`: learns the tables of detection and alignment from photographs.
-#include <memory>
-
 #include "host/commands/command.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
@@ -31,25 +29,6 @@ struct TrainingPictures {
     console.out << photographs.size() << " photographs with their mirror images, " << others.count()
                 << " pictures without faces, " << drawn.count() << " that are drawn\n";
   }
-};
-
-/// Shows each stage with a counter of its own.
-class StageProgress {
- public:
-  explicit StageProgress(Console& console) : console_(console) {}
-  void show(const char* stage, std::size_t done, std::size_t of) {
-    if (stage_ != stage) counter_.reset();
-    if (counter_ == nullptr) {
-      stage_ = stage;
-      counter_ = std::make_unique<Progress>(console_, stage_.c_str(), of);
-    }
-    counter_->show(done);
-  }
-
- private:
-  Console& console_;
-  std::string stage_;
-  std::unique_ptr<Progress> counter_;
 };
 
 learn::LearnOptions learn_options(const Args& args) {

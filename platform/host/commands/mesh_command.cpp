@@ -10,6 +10,7 @@
 #include "host/io/image.hpp"
 #include "host/io/mesh_files.hpp"
 #include "host/io/numbers.hpp"
+#include "host/io/words.hpp"
 #include "host/render/mesh_figure.hpp"
 #include "host/render/shown_mesh.hpp"
 
@@ -52,11 +53,11 @@ std::vector<float> parameters_of(const Args& args, const ModelFile& file) {
   NamedValues values;
   for (const std::string& word : args.texts("--param")) {
     const std::size_t equals = word.find('=');
-    const auto value = equals == std::string::npos ? std::nullopt : parse_number(word.substr(equals + 1));
+    const auto value = equals == std::string::npos ? std::nullopt : parse_float(word.substr(equals + 1));
     if (!value) fail_usage("--param must be NAME=VALUE: " + word);
     for (const auto& [name, earlier] : values)
       if (name == word.substr(0, equals)) fail_usage("--param gives " + name + " twice");
-    values.push_back({word.substr(0, equals), static_cast<float>(*value)});
+    values.push_back({word.substr(0, equals), *value});
   }
   std::vector<float> q(file.model().parameters().count, 0.0f);
   const auto unmatched = apply(values, "--param", file.model(), q.data());
@@ -67,11 +68,10 @@ std::vector<float> parameters_of(const Args& args, const ModelFile& file) {
 enum class MeshFormat { obj, ply, glb };
 
 MeshFormat format_of(const std::string& path) {
-  const std::size_t dot = path.find_last_of('.');
-  const std::string ending = dot == std::string::npos ? "" : path.substr(dot);
-  if (ending == ".obj") return MeshFormat::obj;
-  if (ending == ".ply") return MeshFormat::ply;
-  if (ending == ".glb") return MeshFormat::glb;
+  const std::string name = in_lower_case(path);
+  if (ends_with(name, ".obj")) return MeshFormat::obj;
+  if (ends_with(name, ".ply")) return MeshFormat::ply;
+  if (ends_with(name, ".glb")) return MeshFormat::glb;
   fail_usage("-o must end in .obj, .ply or .glb: " + path);
 }
 

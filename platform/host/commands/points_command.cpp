@@ -59,7 +59,7 @@ FitFile start_of(const Args& args, const std::optional<std::string>& text, const
                  const Image& image, const std::string& path, std::ostream& err) {
   FitSetup setup;
   setup.size = {image.width, image.height};
-  setup.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
+  setup.focal_px = focal_of(args, setup.size, err);
   setup.camera = calibration_of(args, setup.size, err);
   const auto start = args.text("--start");
   if (start && is_box(*start)) return fit_to_box(file, *box_of(args, "--start"), setup);
@@ -227,7 +227,7 @@ int run_points(const Args& args, Console& console) {
   const Model& model = file.model();
   const auto text = start_text(args);
   const FitFile start = start_of(args, text, file, image, path, console.err);
-  const std::vector<float> q = all_parameters(start, "start", model);
+  const std::vector<float> q = all_parameters(start, args.text("--start").value_or(path), model);
   const GivenPoints given = text ? points_in(*args.text("--start"), *text) : GivenPoints{};
   const bool has_uv = model.landmarks().empty() || given.have_uv();
   const std::vector<Handle> handles = handles_of(model, given.all);

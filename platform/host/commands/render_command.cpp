@@ -137,7 +137,7 @@ int run_grid(const Args& args, Console& console) {
 
 int run_render(const Args& args, Console& console) {
   if (args.has("--grid")) return run_grid(args, console);
-  if (args.has("--people")) fail_usage("--people needs --grid");
+  args.check_needs("--people", "--grid");
   const std::string output = args.required("-o");
   const ImageSize size = args.size("--size").value_or(ImageSize{320, 240});
   const auto f = static_cast<float>(args.number("--focal", static_cast<double>(default_focal(size)), 1, 1e6));

@@ -36,7 +36,7 @@ std::optional<Camera> known_camera(const Args& args, ImageSize size, std::ostrea
 InitialOptions initial_options(const Args& args, ImageSize size, std::ostream& err) {
   InitialOptions options;
   options.camera = known_camera(args, size, err);
-  options.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
+  options.focal_px = focal_of(args, size, err);
   return options;
 }
 
@@ -127,9 +127,8 @@ void check_start(const Args& args) {
     fail_usage("--markers are points of frame 0: --init or --box is needed");
   if (args.has("--landmarks") && args.has("--model-landmarks"))
     fail_usage("--landmarks and --model-landmarks exclude each other");
-  if (args.has("--box-of") && !args.has("--box")) fail_usage("--box-of is of a box: --box is needed");
-  if (args.has("--marker-exclusion-px") && !args.has("--markers"))
-    fail_usage("--marker-exclusion-px is of markers: --markers is needed");
+  args.check_needs("--box-of", "--box");
+  args.check_needs("--marker-exclusion-px", "--markers");
 }
 
 /// What the track starts from; nothing: it finds the face itself.

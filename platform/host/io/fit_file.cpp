@@ -211,9 +211,8 @@ std::vector<std::string> apply(const NamedValues& values, const std::string& sou
     for (const std::uint16_t k : found) {
       const Parameter& p = model.parameters()[k];
       if (!(value >= p.minimum && value <= p.maximum))
-        fail_input(source, "'" + name + "' is outside its limits " +
-                               number_text(static_cast<double>(p.minimum)) + " and " +
-                               number_text(static_cast<double>(p.maximum)));
+        fail_input(source, "'" + name + "' is outside its limits " + short_text(p.minimum) + " and " +
+                               short_text(p.maximum));
       q[k] = value;
     }
     if (found.empty()) unmatched.push_back(name);

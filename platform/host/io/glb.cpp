@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "host/io/bounding_box.hpp"
+
 namespace pliant::host {
 
 namespace {
@@ -63,12 +65,9 @@ int GlbFile::add_accessor(int view, int component, std::size_t count, const char
 
 int GlbFile::add(const std::vector<Vec3>& values, Use use) {
   std::string bytes;
-  Vec3 low = values.empty() ? Vec3{} : values[0], high = low;
-  for (const Vec3 v : values) {
-    put(bytes, v);
-    low = min(low, v);
-    high = max(high, v);
-  }
+  for (const Vec3 v : values) put(bytes, v);
+  const BoundingBox<Vec3> box(values);
+  const Vec3 low = box.low, high = box.high;
   const int view = add_view(bytes, use == Use::vertices ? kVertexData : kNoTarget);
   return add_accessor(view, kFloat, values.size(), "VEC3", {low.x, low.y, low.z}, {high.x, high.y, high.z});
 }

@@ -30,6 +30,11 @@ std::string number_text(double value) {
   return text;
 }
 
+std::string short_text(float value) {
+  char text[64];  // of a float at most 50
+  return {text, std::to_chars(text, text + sizeof text, value + 0.0f, std::chars_format::fixed).ptr};
+}
+
 std::string decimal_text(double value) {
   char text[40];
   std::snprintf(text, sizeof text, "%.4f", value);

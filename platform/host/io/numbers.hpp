@@ -16,6 +16,9 @@ std::optional<float> parse_float(std::string_view text);
 /// A number as files hold it that are read again: nine significant digits, the fewest that keep every float.
 std::string number_text(double value);
 
+/// A number for people: the fewest decimals that name this float, without an exponent.
+std::string short_text(float value);
+
 /// A number with four decimals: image positions, probabilities.
 std::string decimal_text(double value);
 

@@ -27,6 +27,7 @@ class Owned {
   Owned& operator=(const Owned&) = delete;
 
   T& operator*() { return object_; }
+  const T& operator*() const { return object_; }
   T* operator->() { return &object_; }
   const T* operator->() const { return &object_; }
   std::size_t used_bytes() const { return arena_.used_bytes(); }

@@ -42,9 +42,6 @@ struct LearntCheck {
   std::vector<double> text_rows, text_bias;  ///< of the text form, as many; empty: none
 };
 
-/// Writes the checksum of a table into its header.
-void seal_aligner(std::uint8_t* table, std::size_t size);
-
 /// An opened table with its own memory.
 class OpenAlignerTable {
  public:

@@ -25,9 +25,8 @@ struct BrowSearchTuning {
   float lid_gap = 0.055f;    ///< of a brow's middle above the upper lid, at least
   float prior =
       0.12f;  ///< weight of the deviations against the contrast of the band, in standard deviations of grey
-  /// Of the landmarks over the middle of the band: annotators of iBUG's scheme follow its upper edge. With 0.004 the brows came
-  /// out 0.03 below those of another library's predictor, on 35 photographs of strangers as on a film. On 53 other photographs
-  /// their median error then fell from 6.5 to 3.6 %, with the brows' ends further out on the model (fixtures/face/landmarks.txt).
+  /// Of the landmarks over the middle of the band: annotators of iBUG's scheme follow its upper edge. Chosen: docs/experiments.md,
+  /// Samples.
   float above_middle = 0.034f;
 };
 constexpr BrowSearchTuning kTuning{};

@@ -9,10 +9,7 @@ namespace pliant::host::learn {
 
 /// Tuning of the detector's training. Each constant: unit, reason, experiment.
 struct DetectorLearningTuning {
-  /// Samples of faces, count. The sizes of the training grew together from 16000, 15000 and 60000 others, 2000 searched samples, a
-  /// third of hits beside faces below an overlap of 0.3, and 640 trees: of 35 and 53 photographs of strangers 100 and 94.3 % are
-  /// found instead of 100 and 92.5 %, in a frontal face no longer a chin or a whole head. The misses among the 53 had been
-  /// looked at before.
+  /// Samples of faces, count. The sizes of the training grew together (docs/experiments.md, Samples).
   std::size_t samples = 24000;
   /// Windows that each sample gives, count, shifted and zoomed at random. Round value, not tuned.
   std::size_t windows_a_sample = 2;

@@ -21,7 +21,7 @@ constexpr int place_of(std::uint16_t feature) {
 /// The feature at a place of a Window.
 constexpr std::uint16_t feature_at(int place) {
   constexpr int kRow = kWindowCells * kCellChannels;
-  return static_cast<std::uint16_t>(place / kRow * 256 + place % kRow);
+  return detector_feature(place / kRow, place % kRow / kCellChannels, place % kCellChannels);
 }
 
 /// The window of a box, at the nearest place that whole pixels of the reduced picture allow. A box smaller than the window

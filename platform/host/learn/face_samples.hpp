@@ -22,28 +22,26 @@ struct PhotoTurn;
 /// divisor of it stay apart.
 constexpr int kPersonClasses = 12;
 
-/// Which samples are drawn, and how varied they are. Angles in degrees.
+/// Which samples are drawn, and how varied they are. Angles in degrees. Fractions and `mixed_chance`: docs/experiments.md, Samples.
 struct FaceSampleTuning {
   int side_px = 160;                         ///< width and height of a sample
   float box_low_px = 48, box_high_px = 110;  ///< side of the face box
   float margin_px = 6;                       ///< of the face box to the border, at least
   float roll_degrees = 30;                   ///< turn in the picture, at most
-  /// Of the samples: of drawn portraits; the others are of photographs. Alignment has a fraction of its own. With people who turned
-  /// little, alignment of photographs of people left out got worse with more (median 2.25 % with none, 2.31 % with a tenth; right
-  /// 93.2 % and 92.8 %); a few keep hats and odd skins in.
+  /// Of the samples: of drawn portraits; the others are of photographs. Alignment has a fraction of its own. A few keep hats and
+  /// odd skins in.
   float drawn_fraction = 0.04f;
   std::size_t drawn_people = 40;
   DrawnTurn drawn_turn;
   /// Drawn people where there is no photograph: as many as photographs and their mirror images in the usual training.
   std::size_t drawn_people_alone = 350;
-  /// Photographs turned in depth; the others are varied in the plane only. With 0.4 instead, 90.5 % of turned people left out
-  /// are aligned right, with 0.7 92.8 %; frontal ones hardly differ.
+  /// Photographs turned in depth; the others are varied in the plane only.
   float turned_fraction = 0.7f;
   float yaw_degrees = 55, pitch_degrees = 28;  ///< of turned ones, at most
   float tilt_degrees = 8;                      ///< of the head against the body, at most
   float most_turned_degrees = 45;              ///< from the photograph's own pose
   float near_mm = 300, far_mm = 2500;          ///< range of the distance to the camera
-  /// Of turned ones: with the skin and shape of a second person. Without it 91.8 % instead of 92.8 % are right.
+  /// Of turned ones: with the skin and shape of a second person.
   float mixed_chance = 0.4f;
   float hidden_mm = 7;        ///< a landmark is hidden if something is nearer to the camera by this
   float relit_chance = 0.4f;  ///< of turned ones: with another light

@@ -7,11 +7,11 @@
 #include <iterator>
 #include <string>
 
+#include "host/io/table_checksum.hpp"
 #include "host/learn/boosted_trees.hpp"
 #include "host/learn/detector_calibration.hpp"
 #include "host/learn/detector_examples.hpp"
 #include "host/learn/detector_learning_tuning.hpp"
-#include "pliant/model.hpp"
 
 namespace pliant::host::learn {
 
@@ -92,9 +92,7 @@ std::vector<std::uint8_t> bytes_of(const std::vector<DetectorTree>& trees, const
   std::vector<std::uint8_t> bytes(header.total_bytes);
   std::memcpy(bytes.data(), &header, sizeof header);
   std::memcpy(bytes.data() + sizeof header, trees.data(), trees.size() * sizeof(DetectorTree));
-  constexpr std::size_t kSummedFrom = offsetof(DetectorHeader, tree_count);
-  header.crc32 = crc32(bytes.data() + kSummedFrom, bytes.size() - kSummedFrom);
-  std::memcpy(bytes.data(), &header, sizeof header);
+  set_checksum<DetectorHeader>(bytes);
   return bytes;
 }
 

@@ -1,75 +1,41 @@
-// The table of part readers from learnt numbers: rows of int8, each with its largest weight at 127.
-#include <algorithm>
-#include <cmath>
-#include <cstring>
-
+// The table of part readers from learnt numbers.
+#include "host/io/table_checksum.hpp"
 #include "host/learn/part_learning.hpp"
-#include "pliant/model.hpp"
+#include "host/learn/weight_table.hpp"
 
 namespace pliant::host::learn {
 
 namespace {
 
-template <class T>
-void put(std::vector<std::uint8_t>& bytes, const T& value) {
-  const auto* const first = reinterpret_cast<const std::uint8_t*>(&value);
-  bytes.insert(bytes.end(), first, first + sizeof(T));
-}
-
-double largest_of(const double* row, std::size_t count) {
-  double largest = 1e-12;
-  for (std::size_t k = 0; k < count; ++k) largest = std::max(largest, std::abs(row[k]));
-  return largest;
-}
-
-void put_floats(std::vector<std::uint8_t>& bytes, const std::vector<double>& values) {
-  for (const double v : values) put(bytes, static_cast<float>(v));
-}
-
-void put_weights(std::vector<std::uint8_t>& bytes, const LearntPart& part) {
-  put_floats(bytes, part.start);
-  std::vector<double> information = part.information;
-  for (std::size_t k = 1; k < information.size(); k += 3)
-    information[k] *= 0.999;  // rounding keeps it definite
-  put_floats(bytes, information);
-  const auto scale = [&](std::size_t stage, std::size_t row) {
-    const std::size_t inputs = part_bytes(part.record, stage);
-    return largest_of(part.stages[stage].rows.data() + row * inputs, inputs) / 127;
-  };
+void put_weights(WeightTable& table, const LearntPart& part) {
+  table.put_floats(part.start);
+  table.put_floats(safe_information(part.information));
+  std::vector<QuantisedRows> stages;
   for (std::size_t k = 0; k < part.stages.size(); ++k) {
-    for (std::size_t row = 0; row < part.start.size(); ++row) put(bytes, static_cast<float>(scale(k, row)));
-    put_floats(bytes, part.stages[k].bias);
+    stages.emplace_back(part.stages[k].rows, part_bytes(part.record, k));
+    table.put_floats(stages.back().scale);
+    table.put_floats(part.stages[k].bias);
   }
-  for (std::size_t k = 0; k < part.stages.size(); ++k) {
-    const std::size_t inputs = part_bytes(part.record, k);
-    for (std::size_t row = 0; row < part.start.size(); ++row)
-      for (std::size_t i = 0; i < inputs; ++i)
-        put(bytes,
-            static_cast<std::int8_t>(std::lround(part.stages[k].rows[row * inputs + i] / scale(k, row))));
-  }
-  bytes.resize((bytes.size() + 3) / 4 * 4);
+  for (const QuantisedRows& rows : stages) table.put_bytes(rows.bytes);
+  table.pad();
 }
 
 }  // namespace
 
 std::vector<std::uint8_t> encode_parts(const std::vector<LearntPart>& parts) {
-  std::vector<std::uint8_t> bytes;
-  PartHeader header{kPartMagic, kPartVersion, 0, 0, static_cast<std::uint16_t>(parts.size()), 0};
-  put(bytes, header);
-  auto first = static_cast<std::uint32_t>(sizeof header + parts.size() * sizeof(PartRecord));
+  WeightTable table;
+  table.put(PartHeader{kPartMagic, kPartVersion, 0, 0, static_cast<std::uint16_t>(parts.size()), 0});
+  auto first = static_cast<std::uint32_t>(sizeof(PartHeader) + parts.size() * sizeof(PartRecord));
   for (const LearntPart& part : parts) {
     PartRecord record = part.record;
     record.first_byte = first;
-    put(bytes, record);
+    table.put(record);
     first += static_cast<std::uint32_t>(part_weight_bytes(record));
   }
-  for (const LearntPart& part : parts) put_weights(bytes, part);
-  header.total_bytes = static_cast<std::uint32_t>(bytes.size());
-  std::memcpy(bytes.data(), &header, sizeof header);
-  constexpr std::size_t summed = offsetof(PartHeader, part_count);
-  header.crc32 = crc32(bytes.data() + summed, bytes.size() - summed);
-  std::memcpy(bytes.data(), &header, sizeof header);
-  return bytes;
+  for (const LearntPart& part : parts) put_weights(table, part);
+  table.replace(offsetof(PartHeader, total_bytes), static_cast<std::uint32_t>(table.size()));
+  set_checksum<PartHeader>(table.bytes());
+  return table.bytes();
 }
 
 }  // namespace pliant::host::learn

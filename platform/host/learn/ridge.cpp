@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <cmath>
+#include <stdexcept>
 
 namespace pliant::host::learn {
 
@@ -81,7 +82,11 @@ std::vector<double> solve_ridge(const RidgeSums& sums, double strength) {
   variance /= static_cast<double>(n - 1);
   for (Eigen::Index k = 0; k + 1 < n; ++k) h(k, k) += strength * weight * variance + 1e-6 * weight;
   h(n - 1, n - 1) += 1e-9 * weight;
-  const Eigen::MatrixXd w = h.selfadjointView<Eigen::Lower>().llt().solve(ConstMatrix(sums.xy.data(), n, m));
+  const auto factors = h.selfadjointView<Eigen::Lower>().llt();
+  const Eigen::MatrixXd w = factors.solve(ConstMatrix(sums.xy.data(), n, m));
+  if (factors.info() != Eigen::Success || !w.allFinite())
+    throw std::runtime_error(
+        "the weights of a regression cannot be computed: an input or output is not finite");
   std::vector<double> out(sums.inputs * sums.outputs);
   Eigen::Map<RowMatrix>(out.data(), m, n) = w.transpose();
   return out;

@@ -37,7 +37,7 @@ class RidgeRows {
 };
 
 /// Minimises sum w |y - W x|^2 + strength * weight * (mean variance of the inputs) |W|^2 over W; the constant's column is free.
-/// \return outputs x inputs, by rows; the constant last.
+/// \return outputs x inputs, by rows; the constant last. Throws std::runtime_error if a sum is not finite.
 std::vector<double> solve_ridge(const RidgeSums& sums, double strength);
 
 /// sum of w |y - W x|^2 over the rows of `sums`, an output.

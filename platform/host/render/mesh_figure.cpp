@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/io/bounding_box.hpp"
 #include "host/io/level_tints.hpp"
 #include "host/render/draw.hpp"
 #include "host/render/raster.hpp"
@@ -21,15 +22,13 @@ constexpr Colour kInk{40, 40, 44}, kFaint{215, 60, 60};
 class Viewpoint {
  public:
   explicit Viewpoint(const ModelMesh& mesh) {
-    Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
+    BoundingBox<Vec2> box;
     for (const VertexId v : mesh.mesh().vertices()) {
       const Vec3 at = turned(mesh.position(v));
-      const Vec2 p{at.x, at.y};
-      low = min(low, p);
-      high = max(high, p);
+      box.add({at.x, at.y});
     }
-    centre_ = 0.5f * (low + high);
-    scale_ = 0.96f * min(kWidth / (high.x - low.x), kHeight / (high.y - low.y));
+    centre_ = 0.5f * (box.low + box.high);
+    scale_ = 0.96f * min(kWidth / box.size().x, kHeight / box.size().y);
   }
   /// View axes: y up, z to the viewer.
   static Vec3 turned(Vec3 p) {

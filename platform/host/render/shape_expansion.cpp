@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/io/bounding_box.hpp"
 #include "host/io/owned.hpp"
 #include "pliant/cascade.hpp"
 
@@ -74,12 +75,7 @@ float largest(const std::vector<Vec3>& moves) {
 }
 
 float size_of(const std::vector<Vec3>& points) {
-  Vec3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
-  for (const Vec3 p : points) {
-    low = min(low, p);
-    high = max(high, p);
-  }
-  return points.empty() ? 0 : length(high - low);
+  return length(BoundingBox<Vec3>(points).size());
 }
 
 /// Sums of `a` and `b` with these factors.

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/bake/boundary_loops.hpp"
 #include "host/bake/triangulation.hpp"
+#include "host/io/bounding_box.hpp"
 #include "host/io/image.hpp"
 #include "host/io/polygon.hpp"
 #include "pliant/visibility.hpp"
@@ -14,53 +16,38 @@ namespace {
 
 /// Spacing of vertices inside an opening, as a fraction of the spacing around it. Chosen by eye.
 constexpr float kLatticeFraction = 0.5f;
-constexpr std::size_t kMostVertices = 65535;  // 16-bit indices; glTF reserves the last one
 
 /// Vertex numbers around each opening: all boundary loops but the one with the largest area.
-std::vector<std::vector<std::uint16_t>> find_openings(const MeshData& mesh) {
-  std::vector<std::uint16_t> next(mesh.position.size(), kNone);  // along the boundary
+std::vector<std::vector<int>> find_openings(const MeshData& mesh) {
+  std::vector<int> next(mesh.position.size(), -1);  // along the boundary
   std::vector<std::array<std::uint16_t, 2>> edges;
   for (const auto& f : mesh.faces)
     for (std::size_t k = 0; k < 3; ++k) edges.push_back({f[k], f[(k + 1) % 3]});
   std::sort(edges.begin(), edges.end());
   for (const auto& [a, b] : edges)
     if (!std::binary_search(edges.begin(), edges.end(), std::array<std::uint16_t, 2>{b, a})) next[a] = b;
-  std::vector<std::vector<std::uint16_t>> loops;
-  std::vector<float> areas;
-  for (std::size_t first = 0; first < next.size(); ++first) {
-    if (next[first] == kNone) continue;
-    std::vector<std::uint16_t> loop;
-    float area = 0;
-    for (auto v = static_cast<std::uint16_t>(first); next[v] != kNone;) {
-      const std::uint16_t after = next[v];
-      loop.push_back(v);
-      area += mesh.uv[v].x * mesh.uv[after].y - mesh.uv[after].x * mesh.uv[v].y;
-      next[v] = kNone;
-      v = after;
-    }
-    loops.push_back(loop);
-    areas.push_back(magnitude(area));
-  }
-  if (loops.empty()) return loops;
-  loops.erase(loops.begin() + (std::max_element(areas.begin(), areas.end()) - areas.begin()));
+  auto loops = bake::trace_loops(std::move(next));
+  const auto area = [&](const std::vector<int>& loop) {
+    return std::fabs(bake::doubled_loop_area(mesh.uv, loop));
+  };
+  const auto outer = std::max_element(loops.begin(), loops.end(),
+                                      [&](const auto& a, const auto& b) { return area(a) < area(b); });
+  if (outer != loops.end()) loops.erase(outer);
   return loops;
 }
 
 /// Points of a lattice inside the loop, closer together than those of the loop: the surface behind lips and lids is curved
 /// more strongly.
 std::vector<Vec2> lattice_within(const std::vector<Vec2>& loop) {
-  Vec2 low{1, 1}, high{0, 0};
+  const BoundingBox<Vec2> box(loop);
   float spacing = 0;
-  for (std::size_t k = 0; k < loop.size(); ++k) {
-    low = min(low, loop[k]);
-    high = max(high, loop[k]);
+  for (std::size_t k = 0; k < loop.size(); ++k)
     spacing +=
         kLatticeFraction * length(loop[(k + 1) % loop.size()] - loop[k]) / static_cast<float>(loop.size());
-  }
   std::vector<Vec2> points;
   if (!(spacing > 1e-4f)) return points;
-  for (float y = low.y + 0.5f * spacing; y < high.y; y += spacing)
-    for (float x = low.x + 0.5f * spacing; x < high.x; x += spacing) {
+  for (float y = box.low.y + 0.5f * spacing; y < box.high.y; y += spacing)
+    for (float x = box.low.x + 0.5f * spacing; x < box.high.x; x += spacing) {
       const bool is_close = std::any_of(loop.begin(), loop.end(), [&](Vec2 p) {
         return length(p - Vec2{x, y}) < 0.6f * spacing;
       });
@@ -69,16 +56,19 @@ std::vector<Vec2> lattice_within(const std::vector<Vec2>& loop) {
   return points;
 }
 
-void close_opening(MeshData& mesh, const std::vector<std::uint16_t>& loop, ModelSurface& surface) {
+/// Fills the opening, unless that takes more vertices than `most`: a part of the filling would be vertices without faces.
+void close_opening(MeshData& mesh, const std::vector<int>& loop, ModelSurface& surface, std::size_t most) {
   bake::Domain domain;
-  std::vector<std::uint16_t> number = loop;  // index in the mesh of each point of the domain
+  std::vector<std::uint16_t> number;  // index in the mesh of each point of the domain
   domain.loops.emplace_back();
-  for (const std::uint16_t v : loop) {
+  for (const int v : loop) {
     domain.loops[0].push_back(static_cast<int>(domain.points.size()));
-    domain.points.push_back(mesh.uv[v]);
+    domain.points.push_back(mesh.uv[static_cast<std::size_t>(v)]);
+    number.push_back(static_cast<std::uint16_t>(v));
   }
-  for (const Vec2 uv : lattice_within(domain.points)) {
-    if (mesh.position.size() + number.size() >= kMostVertices) return;
+  const std::vector<Vec2> lattice = lattice_within(domain.points);
+  if (mesh.position.size() + lattice.size() > most) return;
+  for (const Vec2 uv : lattice) {
     domain.points.push_back(uv);
     number.push_back(static_cast<std::uint16_t>(mesh.position.size()));
     mesh.position.push_back(surface.sample(uv));
@@ -117,9 +107,9 @@ MeshData mesh_data(const ModelMesh& adapted) {
   return data;
 }
 
-MeshData closed_mesh(const ModelMesh& adapted) {
+MeshData closed_mesh(const ModelMesh& adapted, std::size_t most_vertices) {
   MeshData mesh = mesh_data(adapted);
-  for (const auto& loop : find_openings(mesh)) close_opening(mesh, loop, adapted.surface());
+  for (const auto& loop : find_openings(mesh)) close_opening(mesh, loop, adapted.surface(), most_vertices);
   return mesh;
 }
 

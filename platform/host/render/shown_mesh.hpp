@@ -12,8 +12,9 @@ namespace pliant::host {
 MeshData mesh_data(const ModelMesh& adapted);
 
 /// The same mesh with its openings filled by further vertices and faces at the fields' positions there (of a face: eyes and
-/// mouth). The outer boundary stays open.
-MeshData closed_mesh(const ModelMesh& adapted);
+/// mouth). The outer boundary stays open, and so does an opening whose vertices would be more than `most_vertices` in all.
+/// \param most_vertices  at most 65535: indices have 16 bits, and glTF reserves the last one.
+MeshData closed_mesh(const ModelMesh& adapted, std::size_t most_vertices = 65535);
 
 /// Unit normals of the vertices from the faces, weighted by area; zero if all faces of a vertex are degenerate.
 std::vector<Vec3> compute_normals(const std::vector<Vec3>& position,

@@ -4,8 +4,11 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <limits>
+#include <stdexcept>
 
 #include "bake_sheet.hpp"
+#include "host/bake/symmetric_eigen.hpp"
 
 namespace bending_modes_test {
 
@@ -199,6 +202,23 @@ TEST_CASE("a surface with few vertices has few modes, one that is held whole has
   CHECK(find_bending_modes(mesh, 50, 1).displacement.size() == 6);  // 12 unknowns, 6 rigid motions
   mesh.is_fixed.assign(4, 1);
   CHECK(find_bending_modes(mesh, 5, 1).displacement.empty());
+}
+
+TEST_CASE("what has no eigenvalues or no modes is said, not computed with") {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  Eigen::MatrixXd a = Eigen::MatrixXd::Identity(3, 3), b = a;
+  CHECK(symmetric_eigen(a, b).values.size() == 3);
+  b(2, 2) = -1;
+  CHECK_THROWS_AS(symmetric_eigen(a, b), std::runtime_error);
+  a(1, 0) = kNaN;
+  CHECK_THROWS_AS(symmetric_eigen(a), std::runtime_error);
+  CHECK_THROWS_AS(symmetric_eigen(a, Eigen::MatrixXd::Identity(3, 3)), std::runtime_error);
+  CHECK_THROWS_AS(symmetric_eigen(Eigen::MatrixXd::Identity(3, 3), a), std::runtime_error);
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    BendingMesh mesh = plate(3, 3, 10, 10);
+    mesh.position[5].z = bad;
+    CHECK_THROWS_AS(find_bending_modes(mesh, 4, 1), std::runtime_error);
+  }
 }
 
 }  // namespace bending_modes_test

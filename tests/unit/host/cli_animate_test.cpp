@@ -215,6 +215,7 @@ TEST_CASE(
   CHECK(a.weight(3, "jawOpen") == doctest::Approx(1));
   const Ran r = run_words({"animate", model, "--params", params, "-o", f / "a.glb"});
   CHECK(contains(r.err, "2 of 4 frames are lost"));
+  CHECK(run_words({"animate", model, "--params", params, "-o", f / "A.GLB"}).code == 0);
   check_refused(
       {"animate", model, "--params", f.put("l.csv", head + "0,0,lost,,,,,,,,\n"), "-o", f / "l.glb"},
       {"l.csv", "no row with a pose or expression"});

@@ -1,5 +1,6 @@
 // `pliant bake` as a user runs it: what it keeps, what it says, and what it shows while it works.
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <sstream>
@@ -186,6 +187,36 @@ TEST_CASE("an OBJ file may have its ending in capitals") {
   CAPTURE(r.err);
   CHECK(r.code == 0);
   CHECK(contains(r.out, "\nflap to "));
+}
+
+TEST_CASE("bake of a folder whose OBJ files have no rest shape says which file that would be") {
+  const ObjFolder folder;
+  fs::rename(folder.folder + "/neutral.obj", folder.folder + "/Rest.obj");
+  check_refused({"bake", folder.folder, "-o", folder / "m.plm"},
+                {folder.folder + ": has ", " OBJ files, and none is neutral.obj, the rest shape (--pca"});
+  fs::rename(folder.folder + "/Rest.obj", folder.folder + "/neutral.OBJ");
+  CHECK(
+      run_words({"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60", "--size", "16"}).code ==
+      0);
+}
+
+TEST_CASE(
+    "a material file or a picture that is a pipe, or whose name is none, is missing: nothing waits for it") {
+  const ObjFolder folder;
+  std::ifstream in(folder.folder + "/neutral.obj");
+  const std::string text((std::istreambuf_iterator<char>(in)), {}), pipe = folder.folder + "/pipe.mtl";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  const std::vector<std::string> words{"bake",        folder.folder, "-o",     folder / "m.plm",
+                                       "--base-mesh", "60",          "--size", "16"};
+  for (const std::string& name : {std::string("pipe.mtl"), std::string(5000, 'x')}) {
+    std::ofstream(folder.folder + "/neutral.obj") << "mtllib " << name << "\nusemtl a\n" << text;
+    const Ran r = run_words(words);
+    CHECK(r.code == 0);
+    CHECK(contains(r.err, "there is no material file " + folder.folder + "/" + name + ": "));
+  }
+  std::ofstream(folder.folder + "/plain.mtl") << "newmtl a\nmap_Kd pipe.mtl\n";
+  std::ofstream(folder.folder + "/neutral.obj") << "mtllib plain.mtl\nusemtl a\n" << text;
+  check_refused(words, {"pipe.mtl: the picture of material 'a' cannot be read"});
 }
 
 TEST_CASE("bake does not write over what it reads, nor into files of other kinds") {

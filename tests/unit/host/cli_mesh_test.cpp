@@ -301,6 +301,7 @@ TEST_CASE("bad arguments and bad files are refused with a message that names the
   refused({"--budget", "70000"}, "--budget");
   refused({"--param", "jawOpen"}, "NAME=VALUE");
   refused({"--param", "jawOpen=wide"}, "NAME=VALUE");
+  refused({"--param", "jawOpen=1e300"}, "NAME=VALUE");
   refused({"--param", "jawOpen=0.1", "--param", "jawOpen=0.2"}, "--param gives jawOpen twice");
   refused({"--budget", "9", "--budget", "9"}, "--budget: At Most 1 required but received 2");
   refused({"--figure", m / "f.png"}, "-o does not apply to --figure");
@@ -310,9 +311,18 @@ TEST_CASE("bad arguments and bad files are refused with a message that names the
 
   check_refused({"mesh", m.path, "--param", "smirk=1"}, {"m.plm", "'smirk'"});
   check_refused({"mesh", m.path, "--param", "jawOpen=1.5"}, {"jawOpen", "limits 0 and 1"});
+  check_refused({"mesh", PLIANT_BAKED_FACE, "--param", "jawOpen=0.46"}, {"jawOpen", "limits 0 and 0.45\n"});
   check_refused({"mesh", m / "none.plm"}, {"none.plm"});
   check_refused({"mesh", m.put("bad.plm", "PLM1")}, {"bad.plm"});
   check_refused({"mesh", m.path, "-o", m / "no/out.obj"}, {"no/out.obj"});
+}
+
+TEST_CASE("the ending of a mesh's name may be in capitals") {
+  const MeshFolder m;
+  for (const auto& [name, head] : {std::pair{"m.OBJ", "# "}, {"m.Ply", "ply\n"}, {"m.GLB", "glTF"}}) {
+    REQUIRE(run_words({"mesh", m.path, "-o", m / name}).code == 0);
+    CHECK(read_file(m / name).substr(0, std::string(head).size()) == head);
+  }
 }
 
 }  // namespace cli_mesh_test

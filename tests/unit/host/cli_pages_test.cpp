@@ -325,6 +325,13 @@ TEST_CASE("points refuses bad words with 2 and bad input with 1 and a line that 
       run_words({"fit", s.model, "--points", s.points, "--size", "320x240", "-o", s / "large.json"}).code ==
       0);
   check_refused(words(picture, s / "large.json"), {"large.json", "320x240", "200x160", "g.pgm"});
+  REQUIRE(
+      run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "-o", s / "wide.json"}).code ==
+      0);
+  std::string fit = read_file(s / "wide.json");
+  const std::size_t value = fit.find(':', fit.find("\"jawOpen\"")) + 1;
+  s.put("wide.json", fit.replace(value, fit.find_first_of(",}\n", value) - value, "5"));
+  check_refused(words(picture, s / "wide.json"), {"wide.json: 'jawOpen' is outside its limits 0 and 1"});
   CHECK_FALSE(s.has("p.html"));
 }
 

@@ -85,6 +85,10 @@ TEST_CASE("an option that has nothing to act on is refused, and named") {
       {"--box-of", "fit", model, "--points", "p.csv", "--size", "20x20", "-o", folder / "x.json", "--box-of",
        "opencv"},
       {"--tolerance", "animate", model, "--params", timed, "-o", folder / "objs/", "--tolerance", "1"},
+      {"--image", "animate", model, "--params", timed, "-o", folder / "x.glb", "--image", "p.png"},
+      {"--texture", "fit", model, "--points", "p.csv", "--size", "20x20", "-o", folder / "x.json",
+       "--texture", folder / "x.glb"},
+      {"--people", "render", model, "--params", timed, "-o", folder / "x.y4m", "--people", timed},
       {"--rate", "animate", model, "--params", timed, "-o", folder / "x.glb", "--rate", "25"},
       {"--pairs", "bench", "mcd", "--pairs", sheet},
       {"--model", "bench", "fit", "--model", model}};

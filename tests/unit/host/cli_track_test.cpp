@@ -292,6 +292,7 @@ TEST_CASE("a Y4M stream with a wrong size or without a header is refused in one 
   const std::string whole = read_file(s.video), body = whole.substr(whole.find('\n') + 1);
   auto words = s.track_words();
   words[3] = s / "lie.y4m";
+  words.back() = "1000";  // a focal length for pictures of each of these sizes
   for (const char* header : {"YUV4MPEG2 W100 H160 F30:1 Cmono\n", "YUV4MPEG2 W4000 H3000 F30:1 Cmono\n",
                              "YUV4MPEG2 W200 H161 F30:1 Cmono\n", "YUV4MPEG2 W-200 H160 F30:1 Cmono\n",
                              "YUV4MPEG2 W200000 H160000 F30:1 Cmono\n", "YUV4MPEG2 H160 F30:1 Cmono\n",
@@ -336,6 +337,32 @@ TEST_CASE("options of a track that contradict each other, or have nothing to act
   CHECK(refused({"--marker-exclusion-px", "4"}));
   CHECK(refused({"--cues", ""}));
   CHECK(refused({"--cues", "patches"}));
+}
+
+TEST_CASE("a focal length that hardly a camera has is told of, in one line") {
+  const Sequence s;
+  const struct {
+    const char *focal, *said;
+  } cases[] = {{"4", "--focal 4 is implausibly short for pictures of 200x160 pixels"},
+               {"40000", "--focal 40000 is implausibly long for pictures of 200x160 pixels"},
+               {"60", ""},
+               {"3000", ""}};
+  for (const auto& c : cases) {
+    CAPTURE(c.focal);
+    auto words = s.track_words();
+    words.back() = c.focal;
+    words.insert(words.end(), {"--count", "1"});
+    const Ran track = run_words(words);
+    const Ran fit = run_words(
+        {"fit", s.model, "--points", s.points, "--size", "200x160", "--focal", c.focal, "-o", s / "f.json"});
+    const Ran found = run_words({"track", PLIANT_DETECTING_FACE, "--frames", s.video, "--count", "1",
+                                 "--focal", c.focal, "--out", s / "t.csv"});
+    for (const Ran& r : {track, fit, found}) {
+      CAPTURE(r.err);
+      CHECK(contains(r.err, "implausibly") == (*c.said != '\0'));
+      CHECK(contains(r.err, c.said));
+    }
+  }
 }
 
 TEST_CASE("frames, markers and truths that a track cannot use are refused by name") {

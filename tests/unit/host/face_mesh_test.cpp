@@ -9,6 +9,7 @@
 #include "host/commands/mesh_curve.hpp"
 #include "host/render/mesh_figure.hpp"
 #include "host/render/model_mesh.hpp"
+#include "host/render/shown_mesh.hpp"
 
 namespace face_mesh_test {
 
@@ -165,6 +166,26 @@ TEST_CASE("the figure has five columns and three rows, none of them empty, and t
   CHECK(std::count(table.begin(), table.end(), '|') == 7 * (2 + 1 + 4 + 4 + 2));
   CHECK(table.find("| unconditional | depth 3 | " + std::to_string(three_levels().vertices)) !=
         std::string::npos);
+}
+
+TEST_CASE("an opening is closed whole or not at all, and never with more vertices than there may be") {
+  const ModelMesh mesh(baked_face().model, face_at_rest(), uniform(1));
+  const MeshData open = mesh_data(mesh), closed = closed_mesh(mesh);
+  REQUIRE(closed.position.size() > open.position.size() + 3);  // eyes and mouth
+  std::size_t sizes = 0;
+  for (std::size_t most = open.position.size(), before = 0; most <= closed.position.size(); ++most) {
+    const MeshData part = closed_mesh(mesh, most);
+    REQUIRE(part.position.size() <= most);
+    REQUIRE(part.level.size() == part.faces.size());
+    std::vector<char> is_used(part.position.size(), 0);
+    for (const auto& f : part.faces)
+      for (const std::uint16_t v : f) is_used[v] = 1;
+    CHECK(std::count(is_used.begin(), is_used.end(), 0) == 0);
+    sizes += part.position.size() != before;
+    before = part.position.size();
+  }
+  CHECK(sizes >= 3);  // more openings are closed as there are more vertices
+  CHECK(closed_mesh(mesh, 0).faces == open.faces);
 }
 
 }  // namespace face_mesh_test
