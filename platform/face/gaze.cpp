@@ -14,9 +14,9 @@ Vec2 pupil_of(const SeenEye& eye, const View& view, const Projector& projector) 
   return eye.pupil - (kTuning.lid_weight * higher * view.s) * down_of(projector);
 }
 
-/// The iris lies where the pupil's ray meets the sphere around the eyeball's middle, on the near side. \return 0: it does not meet
-/// it.
-Vec3 direction_of(const SeenEye& eye, const View& view, const Projector& projector) {
+/// From the eyeball's middle to the iris, mm, camera axes: the iris lies where the pupil's ray meets the sphere around the
+/// middle, on the near side. \return 0: it does not meet it.
+Vec3 iris_of(const SeenEye& eye, const View& view, const Projector& projector) {
   const Vec3 offset{eye.corners.x > 0 ? kTuning.ball_mm.x : -kTuning.ball_mm.x, kTuning.ball_mm.y,
                     kTuning.ball_mm.z};
   const Vec3 ball = projector.to_camera(eye.corners + offset);
@@ -25,21 +25,20 @@ Vec3 direction_of(const SeenEye& eye, const View& view, const Projector& project
   const Vec3 ray = normalised(Vec3{per_px * (pupil.x - view.c.x), per_px * (pupil.y - view.c.y), 1});
   const Vec3 across = dot(ray, ball) * ray - ball;  // from the eyeball's middle to the ray
   const float square = kTuning.iris_mm * kTuning.iris_mm - dot(across, across);
-  if (!(square > 0)) return {};
-  const Vec3 g = across - square_root(square) * ray;
-  return normalised(Vec3{dot(g, projector.rotated({1, 0, 0})), dot(g, projector.rotated({0, 1, 0})),
-                         dot(g, projector.rotated({0, 0, 1}))});
+  return square > 0 ? across - square_root(square) * ray : Vec3{};
 }
 
 }  // namespace
 
 Vec3 find_gaze(Span<const SeenEye> eyes, const View& view) {
   const Projector projector(view, true);
-  if (!(-projector.rotated({0, 0, 1}).z >= kTuning.least_facing)) return {};
-  Vec3 sum;
+  const Vec3 x = projector.rotated({1, 0, 0}), y = projector.rotated({0, 1, 0}),
+             z = projector.rotated({0, 0, 1});
+  if (!(-z.z >= kTuning.least_facing)) return {};
+  Vec3 sum;  // both irises are as far from their eyeball's middle: the mean of their directions
   for (const SeenEye& eye : eyes)
-    if (eye.opening_mm >= kTuning.least_opening_mm) sum = sum + direction_of(eye, view, projector);
-  return normalised(sum);
+    if (eye.opening_mm >= kTuning.least_opening_mm) sum = sum + iris_of(eye, view, projector);
+  return normalised(Vec3{dot(sum, x), dot(sum, y), dot(sum, z)});
 }
 
 Vec3 smoothed_gaze(Vec3 gaze, Vec3 seen) {

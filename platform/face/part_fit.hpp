@@ -31,6 +31,11 @@ struct PartFitTuning {
   /// Standard deviation of a parameter's change in a frame of 1/30 s, fractions of its range: a lid closes in
   /// three frames. 0.25 and 0.5 find the same blinks on the Talking Face video.
   float change = 0.5f;
+  /// A parameter that moves the lids against each other by more than this over its range shuts an eye, mm. Its prior
+  /// weighs only so much here: it holds back lids that shut for a moment, which tell nothing of how the eye usually is.
+  /// Films of 29 portraits left out of training, lids shut for 35 frames: eyeBlink 0.90 (median) with 0.2, 0.85 with 1
+  /// (docs/experiments.md, Shut eyes). 5 mm is not tuned.
+  float shutting_mm = 5, shutting_prior = 0.2f;
   /// The time that parameters have to change in before the start, s: long, so that the start does not hold
   /// them. Not tuned.
   float start_s = 1;
@@ -58,6 +63,7 @@ struct PartSide {
   std::uint16_t first = 0;  // of its points
   Vec2 anchor[2];           // (u,v)
   Vec2 centre_mm;           // of the crop, from where the model puts it; upright crop
+  float open_mm = 0;        // between the lids, as read when the offsets were noted; 0: not yet, or the part is no eye
 };
 
 /// The points that the table's parts read, in a model; and what is known of the person. Kept while there is a track.
@@ -67,6 +73,7 @@ struct PartPoints {
   std::size_t side_count = 0, count = 0;
   Vec2 uv[kMostPartReadings];                      // NaN-free; a pupil has none
   std::uint16_t landmark[kMostPartReadings] = {};  // of the model; kNone: the point is not fitted
+  std::int8_t lid[kMostPartReadings] = {};         // 1: of the upper lid, -1: of the lower one
   Vec2 offset_mm[kMostPartReadings] =
       {};  // of the reading from the model's point in the start's frame, upright crop
   std::uint16_t parameter[kMostPartParameters] = {};
@@ -82,6 +89,8 @@ struct PartPoints {
   /// \return the table's status; not_found if the model lacks points.
   Status open(const Model& model);
   bool is_fitted(std::size_t k) const { return landmark[k] != kNone; }
+  /// Weight of a point's height in the gap between the lids, which have two points each.
+  float in_gap(std::size_t k) const { return 0.5f * static_cast<float>(lid[k]); }
   /// The model's points have moved against the readings, as landmarks against theirs. \param moved  of each
   /// landmark of the model, mm, model's axes.
   void move(const View& view, const Vec3* moved);
@@ -108,11 +117,14 @@ class PartFit {
   void fit(float seconds, PartPoints* points);
 
  private:
+  void sense_parameters(const PartPoints& points, const PartSide& side);
   void choose_parameters(PartPoints* points);
-  void find_openings(PartPoints* points);
+  Vec3 evaluate(Vec2 uv, Jacobian* j);
   Vec2 project(Vec2 uv);
   bool read_eye(const PartPoints& points, const PartSide& side, SeenEye* eye);
-  Vec2 off_centre(const CropMap& map, const PartTable& table, const PartSide& side) const;
+  Vec2 off_centre(const PartTable& table, const PartSide& side) const;
+  float shut_offset(const PartPoints& points, const PartSide& side) const;
+  void add_readings(const PartPoints& points, const PartSide& side);
   void step(float seconds, const PartPoints& points);
   void add_symmetry(const PartPoints& points);
   bool solve(float seconds, PartPoints* points);
@@ -124,9 +136,11 @@ class PartFit {
   NormalEquations equations_;
   PartReader reader_;
   View view_;
+  CropMap axes_;  // of an upright crop, px a millimetre
   Lens lens_;
-  PartReading* readings_ = nullptr;
-  float *q_ = nullptr, *step_ = nullptr;
+  PartReading* readings_ = nullptr;  // without the lens' distortion
+  Vec2* read_mm_ = nullptr;          // the same places, upright crop
+  float *q_ = nullptr, *step_ = nullptr, *opens_mm_ = nullptr;
   Vec3* samples_ = nullptr;
   std::uint8_t* is_free_ = nullptr;
   PointRow row_;

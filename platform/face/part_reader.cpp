@@ -11,12 +11,19 @@ constexpr int kPictureSide = kMostPartCropPx * 3 / 2;
 
 }  // namespace
 
-CropMap crop_of_part(const PartRecord& part, const View& view, Vec2 middle) {
-  CropMap map;
-  map.side = part.crop_px;
+CropMap upright(const View& view) {
   const Vec2 down = down_of(Projector(view, true));
-  map.origin = middle + (part.below_mm * view.s) * down;
-  map.right = (part.mm_per_px * view.s) * Vec2{down.y, -down.x};
+  CropMap axes;
+  axes.side = 1;
+  axes.right = view.s * Vec2{down.y, -down.x};
+  return axes;
+}
+
+CropMap crop_of_part(const PartRecord& part, const View& view, Vec2 middle) {
+  CropMap map = upright(view);
+  map.side = part.crop_px;
+  map.origin = middle + map.along({0, part.below_mm});
+  map.right = part.mm_per_px * map.right;
   return map;
 }
 

@@ -14,6 +14,8 @@ struct PartReading {
   Sym2 information;  ///< 1/px^2, as measured on people who did not train it
 };
 
+/// Axes of an upright crop: px of the frame a millimetre of the face, around the frame's first pixel.
+CropMap upright(const View& view);
 /// The crop of a part.
 /// \param middle  between the anchors, px of the frame.
 CropMap crop_of_part(const PartRecord& part, const View& view, Vec2 middle);
@@ -34,6 +36,8 @@ class PartReader {
   /// Reads all points of a part. \param out  point_count readings.
   void read(const FrameView& frame, const PartTable& table, std::size_t part, const CropMap& map,
             bool is_mirrored, PartReading* out);
+  /// The points last read, mm from the middle of the crop, or of its mirror image.
+  const Vec2* read_mm() const { return mm_; }
 
  private:
   void run_stage(const PartTable& table, std::size_t part, std::size_t stage);

@@ -148,6 +148,29 @@ TEST_CASE("a start with shut eyes that is told to be open waits until the lids a
   CHECK(rig.blink() > 0.6f);
 }
 
+TEST_CASE("lids that meet are shut, also of a person whose open eyes are read too narrow") {
+  const auto blink_of_shut_eyes = [](bool offset_fades) {
+    Rig rig;
+    rig.read(film().view(0));
+    rig.fit->calibrate(&rig.points);
+    for (std::size_t s = 0; s < rig.points.side_count; ++s) {
+      PartSide& side = rig.points.side[s];
+      CHECK(side.open_mm > 4);
+      if (!offset_fades) side.open_mm = 0;
+      for (std::size_t k = side.first; k < side.first + side.count; ++k)
+        if (rig.points.in_gap(k) > 0) rig.points.offset_mm[k].y += 2;  // the upper lid was read 2 mm too low
+    }
+    for (int k = 0; k < 3; ++k) {
+      rig.read(film().view(1));
+      rig.fit->fit(1 / 30.0f, &rig.points);
+    }
+    return rig.blink();
+  };
+  const float faded = blink_of_shut_eyes(true), kept = blink_of_shut_eyes(false);
+  MESSAGE("shut eyes: eyeBlink " << faded << ", with all of the open lids' offset " << kept);
+  CHECK(faded > kept + 0.1f);
+}
+
 TEST_CASE("where the estimate of the person moves the model's lids, the lids are read as before") {
   std::vector<float> other = film().parameters[0];
   FaceFilm::set(other, "eyeOpening", 2);
