@@ -17,9 +17,9 @@ struct TrackerParts;
 struct SecondLookTuning {
   /// Frames from the start to the first look. Each further one waits twice as long, up to the second number: then looks take
   /// 1.5 % of the time. After a start whose estimated landmark error is above `doubtful_error`, fraction of the eyes' distance,
-  /// they wait up to the third number. Round values.
+  /// they wait up to the third number. Round values; the last was chosen on eleven people (docs/experiments.md, Expected error).
   std::uint32_t first_wait = 12, longest_wait = 96, longest_doubtful_wait = 24;
-  float doubtful_error = 0.03f;
+  float doubtful_error = 0.025f;
   /// Looks in a row that must find better landmarks, and frames from one to the next: a second, so that they see two expressions.
   /// With 4 a track began anew while its person spoke, with lips that were off from then on (docs/experiments.md, Means of
   /// alignments).
@@ -27,7 +27,7 @@ struct SecondLookTuning {
   std::uint32_t wait_if_better = 25;
   /// Landmark error that the second alignment estimates, at most: over the larger of the start's estimate and the checks'. It must
   /// not be above the smaller one either. Below the second number one look is enough.
-  float most_error_ratio = 0.95f, sure_error_ratio = 0.7f;
+  float most_error_ratio = 0.95f, sure_error_ratio = 0.8f;
   /// Mean distance of the landmarks from the tracked ones, at least, fraction of the eyes' distance: below, little is gained.
   float least_distance = 0.02f;
   /// Probability that the second alignment is right, at least. Round value, not tuned.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "host/learn/aligner_evidence.hpp"
 #include "host/learn/parallel.hpp"
@@ -174,33 +175,47 @@ AlignerCurve score_curve(const std::vector<const Evidence*>& examples, const std
   return curve;
 }
 
-/// The mean error as a function of a sum of features that grows with it.
-AlignerCurve error_curve(const std::vector<const Evidence*>& faces) {
-  std::vector<double> wanted, weight(faces.size(), 1);
-  for (const Evidence* e : faces) wanted.push_back(std::min(static_cast<double>(e->error), 0.4));
+/// The value below which a fraction of the weight lies. \pre 0 <= fraction < 1, no weight is below 0, not all are 0.
+double weighted_quantile(const std::vector<double>& values, const std::vector<double>& weight,
+                         double fraction) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  double left = fraction * std::accumulate(weight.begin(), weight.end(), 0.0);
+  std::size_t k = 0;
+  while (k + 1 < order.size() && left > weight[order[k]]) left -= weight[order[k++]];
+  return values[order[k]];
+}
+
+/// The mean error as a function of a sum of features. The sum is fitted to the error's logarithm, so that small errors are told
+/// apart as well as large ones.
+AlignerCurve error_curve(const std::vector<const Evidence*>& faces, const AlignerCheckTuning& tuning) {
+  constexpr double kLeast = 0.01, kMost = 0.4;  // smaller and larger errors need not be told apart
+  std::vector<double> error, wanted, weight, sums;
+  for (const Evidence* e : faces) {
+    error.push_back(std::min(static_cast<double>(e->error), kMost));
+    wanted.push_back(std::log2(std::max(error.back(), kLeast)));
+    weight.push_back(e->is_moved ? tuning.moved_weight : 1);
+  }
   const std::vector<double> w = solve_features(faces, features_of, wanted, weight);
   AlignerCurve curve{};
   for (std::size_t k = 0; k < w.size(); ++k) curve.weight[k] = static_cast<float>(w[k]);
-  std::vector<double> sums;
   for (const Evidence* e : faces) sums.push_back(weighted_sum(w, features_of(*e)));
-  std::vector<double> sorted = sums;
-  std::sort(sorted.begin(), sorted.end());
-  curve.low = static_cast<float>(sorted[sorted.size() / 100]);
-  curve.high = static_cast<float>(sorted[sorted.size() * 99 / 100]);
+  curve.low = static_cast<float>(weighted_quantile(sums, weight, 0.01));
+  curve.high = static_cast<float>(weighted_quantile(sums, weight, 0.99));
   // Means around each knot, then a running maximum.
   const double step = static_cast<double>(curve.high - curve.low) / (kCheckKnots - 1);
   double least = 0;
   for (int k = 0; k < kCheckKnots; ++k) {
-    double sum = 0, count = 0;
+    double sum = 0, total = 0;
     const double at = static_cast<double>(curve.low) + step * k;
     for (std::size_t e = 0; e < faces.size(); ++e) {
       const bool is_beyond = (k == 0 && sums[e] < at) || (k == kCheckKnots - 1 && sums[e] > at);
-      const double near = is_beyond ? 1 : 1 - std::abs(sums[e] - at) / step;
-      if (near <= 0) continue;
-      sum += near * wanted[e];
-      count += near;
+      const double near = weight[e] * (is_beyond ? 1 : std::max(0.0, 1 - std::abs(sums[e] - at) / step));
+      sum += near * error[e];
+      total += near;
     }
-    if (count > 0) least = std::max(least, sum / count);
+    if (total > 0) least = std::max(least, sum / total);
     curve.at[k] = static_cast<float>(least);
   }
   return curve;
@@ -275,7 +290,7 @@ class CheckLearning {
     }
     LearntCheck check;
     check.score = score_curve(examples_, labels_);
-    check.error = error_curve(faces);
+    check.error = error_curve(faces, tuning_);
     for (std::size_t p = 0; p < kFaceParts; ++p) learn_part(right, p, &check);
     check.rows.assign(learnt_[2].rows.begin(), learnt_[2].rows.end());
     check.bias.assign(learnt_[2].bias.begin(), learnt_[2].bias.end());

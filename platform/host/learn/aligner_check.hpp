@@ -13,6 +13,9 @@ struct AlignerCheckTuning {
   float wrong_error = 0.12f;  ///< and above which it is wrong; between both it is no example
   int moved_starts = 2;  ///< poses near the truth that are examples too, an alignment: a track that drifts
   float moved_most = 0.45f;    ///< largest shift of those, fraction of the eyes' distance
+  /// Weight of those for the expected error; that of other alignments is 1. With 1 errors of covered faces are estimated too large,
+  /// since most examples of large errors are then faces in full view, beside their place (docs/experiments.md, Expected error).
+  double moved_weight = 0.1;
   double others_per_face = 1;  ///< alignments at random places of pictures without faces, for each of a face
   double mined_per_face = 3;  ///< more of them, of which those are kept that a first training does not reject
   double mined_score = -2;    ///< appearance from which on these are kept

@@ -48,6 +48,7 @@ std::vector<Evidence> EvidenceCollector::of_faces() {
     for (std::size_t l = 0; l < cascade_.numbers().size(); ++l) at.push_back(pass.image(l));
     out[k].error = mean_error(example, at, kTrustFitted);
     out[k].half = example.fold % 2;
+    out[k].is_moved = k % each > 0;
   });
   return out;
 }

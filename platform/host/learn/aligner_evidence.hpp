@@ -23,6 +23,7 @@ struct Evidence {
   std::array<double, kFaceParts> part{};         // of the appearance, each part's
   std::array<double, kFaceParts> part_weight{};  // of the weights
   bool is_face = true;
+  bool is_moved = false;  // a pose moved away from where the alignment ended
 };
 
 /// Collects the evidence of alignments.

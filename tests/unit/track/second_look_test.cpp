@@ -85,15 +85,15 @@ TEST_CASE("a second alignment that is not better changes nothing") {
   const struct {
     std::string what;
     std::size_t covered_frames = 10;
-    float covered_error = 0.03f, lowered_px = 8, error = 0.02f, tracked_error = 0, score = 0.999f;
+    float covered_error = 0.025f, lowered_px = 8, error = 0.02f, tracked_error = 0, score = 0.999f;
   } kCases[] = {
       {"never covered", 0},
       {"covered all the time", kFrames, 0.02f},
-      {"in the same place", 10, 0.03f, 0},
+      {"in the same place", 10, 0.025f, 0},
       {"hardly better by its estimate", 10, 0.0205f},
-      {"probably no face", 10, 0.03f, 8, 0.02f, 0, 0.94f},
-      {"worse than the start says of itself", 10, 0.03f, 8, 0.06f, 0.1f},
-      {"worse than the checks say of the track", 10, 0.03f, 8, 0.026f, 0.02f},
+      {"probably no face", 10, 0.025f, 8, 0.02f, 0, 0.94f},
+      {"worse than the start says of itself", 10, 0.025f, 8, 0.06f, 0.1f},
+      {"worse than the checks say of the track", 10, 0.025f, 8, 0.0225f, 0.02f},
   };
   for (const auto& c : kCases) {
     CAPTURE(c.what);
@@ -139,7 +139,7 @@ TEST_CASE("looks that are not better count for the mean of the landmarks, if the
 }
 
 TEST_CASE("one second alignment alone proves something only if it is much better") {
-  for (const float of_start : {0.027f, 0.05f}) {
+  for (const float of_start : {0.024f, 0.05f}) {
     CAPTURE(of_start);
     FakeFaces fake(film());
     fake.covered_frames = 10;
@@ -150,14 +150,14 @@ TEST_CASE("one second alignment alone proves something only if it is much better
       if (fake.alignments > 2) fake.error = 0.07f;  // the first look is better, the later ones are not
     }
     CHECK(fake.alignments >= 3);
-    CHECK((mouth_error(tracker.object, film(), kFrames - 1) > 6) == (of_start == 0.027f));
+    CHECK((mouth_error(tracker.object, film(), kFrames - 1) > 6) == (of_start == 0.024f));
   }
 }
 
 TEST_CASE("two looks that prove something together are a second apart: they see two expressions") {
   FakeFaces fake(film());
   fake.covered_frames = 10;
-  fake.covered_error = 0.027f;
+  fake.covered_error = 0.024f;
   const Run result = run(film(), limits_with_looks());
   CHECK(result.starts == 2);
   CHECK(result.last_start >= kSecondLookTuning.first_wait + 25);
@@ -169,7 +169,7 @@ TEST_CASE("an alignment of a turned face counts only if it is sure and the start
     float first, last, of_start, of_track;
     int starts;
   } kCases[] = {
-      {"turned, and hardly better", 0.5f, 0.5f, 0.027f, 0.027f, 1},
+      {"turned, and hardly better", 0.5f, 0.5f, 0.024f, 0.024f, 1},
       {"turned, and much better", 0.5f, 0.5f, 0.05f, 0.05f, 2},
       {"much better, but the start was frontal", 0, 0.5f, 0.05f, 0.05f, 1},
       {"frontal, as good as a turned start", 0.5f, 0, 0.02f, 0.02f, 2},
