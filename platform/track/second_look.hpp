@@ -26,7 +26,8 @@ struct SecondLookTuning {
   int looks = 2;
   std::uint32_t wait_if_better = 25;
   /// Landmark error that the second alignment estimates, at most: over the larger of the start's estimate and the checks'. It must
-  /// not be above the smaller one either. Below the second number one look is enough.
+  /// not be above the smaller one either. Below the second number one look is enough: chosen on eleven people (docs/experiments.md,
+  /// Expected error).
   float most_error_ratio = 0.95f, sure_error_ratio = 0.8f;
   /// Mean distance of the landmarks from the tracked ones, at least, fraction of the eyes' distance: below, little is gained.
   float least_distance = 0.02f;

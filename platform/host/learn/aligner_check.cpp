@@ -190,11 +190,10 @@ double weighted_quantile(const std::vector<double>& values, const std::vector<do
 /// The mean error as a function of a sum of features. The sum is fitted to the error's logarithm, so that small errors are told
 /// apart as well as large ones.
 AlignerCurve error_curve(const std::vector<const Evidence*>& faces, const AlignerCheckTuning& tuning) {
-  constexpr double kLeast = 0.01, kMost = 0.4;  // smaller and larger errors need not be told apart
   std::vector<double> error, wanted, weight, sums;
   for (const Evidence* e : faces) {
-    error.push_back(std::min(static_cast<double>(e->error), kMost));
-    wanted.push_back(std::log2(std::max(error.back(), kLeast)));
+    error.push_back(std::min(static_cast<double>(e->error), tuning.most_error));
+    wanted.push_back(std::log2(std::max(error.back(), tuning.least_error)));
     weight.push_back(e->is_moved ? tuning.moved_weight : 1);
   }
   const std::vector<double> w = solve_features(faces, features_of, wanted, weight);

@@ -16,6 +16,8 @@ struct AlignerCheckTuning {
   /// Weight of those for the expected error; that of other alignments is 1. With 1 errors of covered faces are estimated too large,
   /// since most examples of large errors are then faces in full view, beside their place (docs/experiments.md, Expected error).
   double moved_weight = 0.1;
+  /// Errors beyond these count as these for the expected error: they need not be told apart. Round values, not tuned.
+  double least_error = 0.01, most_error = 0.4;
   double others_per_face = 1;  ///< alignments at random places of pictures without faces, for each of a face
   double mined_per_face = 3;  ///< more of them, of which those are kept that a first training does not reject
   double mined_score = -2;    ///< appearance from which on these are kept

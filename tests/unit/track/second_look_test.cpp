@@ -89,9 +89,9 @@ TEST_CASE("a second alignment that is not better changes nothing") {
   } kCases[] = {
       {"never covered", 0},
       {"covered all the time", kFrames, 0.02f},
-      {"in the same place", 10, 0.025f, 0},
+      {"in the same place", 10, 0.025f, 0, 0.018f},
       {"hardly better by its estimate", 10, 0.0205f},
-      {"probably no face", 10, 0.025f, 8, 0.02f, 0, 0.94f},
+      {"probably no face", 10, 0.025f, 8, 0.018f, 0, 0.94f},
       {"worse than the start says of itself", 10, 0.025f, 8, 0.06f, 0.1f},
       {"worse than the checks say of the track", 10, 0.025f, 8, 0.0225f, 0.02f},
   };
