@@ -59,6 +59,12 @@ void write_means(const std::uint8_t* const* lines, const int* column, int n, int
 
 }  // namespace
 
+Vec2 CropMap::to_crop(Vec2 frame) const {
+  const Vec2 d = frame - origin;
+  const float by = 1.0f / dot(right, right);
+  return middle() + Vec2{by * (right.x * d.x + right.y * d.y), by * (right.x * d.y - right.y * d.x)};
+}
+
 Sym2 to_frame_px(Sym2 w, Vec2 a) {
   const float by = 1.0f / (dot(a, a) * dot(a, a));
   return {by * (a.x * a.x * w.xx - 2 * a.x * a.y * w.xy + a.y * a.y * w.yy),

@@ -31,11 +31,7 @@ struct CropMap {
   Vec2 to_frame(Vec2 crop) const { return origin + along(crop - middle()); }
   /// A displacement in crop px, in px of the frame.
   Vec2 along(Vec2 d) const { return {right.x * d.x - right.y * d.y, right.y * d.x + right.x * d.y}; }
-  Vec2 to_crop(Vec2 frame) const {
-    const Vec2 d = frame - origin;
-    const float by = 1.0f / dot(right, right);
-    return middle() + Vec2{by * (right.x * d.x + right.y * d.y), by * (right.x * d.y - right.y * d.x)};
-  }
+  Vec2 to_crop(Vec2 frame) const;
 
  private:
   Vec2 middle() const { return {0.5f * static_cast<float>(side - 1), 0.5f * static_cast<float>(side - 1)}; }

@@ -1,6 +1,7 @@
 #include "face/gradient_cells.hpp"
 
 #include "base/integers.hpp"
+#include "face/gradient_parts.hpp"
 
 namespace pliant {
 
@@ -19,11 +20,8 @@ struct GradientCellTuning {
 };
 constexpr GradientCellTuning kTuning{};
 
-constexpr int kDiagonalGain = 181;  // sqrt(2) * 128: (1, 1) as a multiple of the diagonal's unit vector
-
-// Gradients of a cell by octant: bit 0 is dx < 0, bit 1 dy < 0, bit 2 |dy| > |dx|. A gradient between an axis and a diagonal is
-// the sum of one vector along each: (dx, dy) = (dx - dy) (1, 0) + dy (1, 1) for 0 <= dy <= dx. The part along the diagonal is
-// in the lower half of a word, the part along the axis in the upper half.
+// Gradients of a cell by octant: bit 0 is dx < 0, bit 1 dy < 0, bit 2 |dy| > |dx|. The part along the diagonal is in the lower
+// half of a word, the part along the axis in the upper half.
 struct OctantSums {
   std::uint32_t octant[8];
   unsigned brightness;

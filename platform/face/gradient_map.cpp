@@ -2,6 +2,7 @@
 
 #include "base/integers.hpp"
 #include "base/wide_vectors.hpp"
+#include "face/gradient_parts.hpp"
 #include "vision/halfwords.hpp"
 
 namespace pliant {
@@ -17,13 +18,10 @@ struct GradientBlockTuning {
 };
 constexpr GradientBlockTuning kTuning{};
 
-// A gradient is the sum of one vector along an axis and one along a diagonal: (dx, dy) = (dx - dy) (1, 0) + dy (1, 1) for
-// 0 <= dy <= dx. Both parts are cut off, so that an edge of hair or glasses does not outweigh the face.
+// Both parts of a gradient are cut off, so that an edge of hair or glasses does not outweigh the face.
 constexpr int kAxisBits = 7, kDiagonalBits = 6;
 constexpr int kPartBits = kAxisBits + kDiagonalBits;
 constexpr int kMostAxis = (1 << kAxisBits) - 1, kMostDiagonal = (1 << kDiagonalBits) - 1;
-constexpr std::uint32_t kDiagonalGain =
-    181;  // sqrt(2) * 128: (1, 1) as a multiple of the diagonal's unit vector
 
 // Octants by dx < 0 (4), dy < 0 (2) and |dy| > |dx| (1), and the two directions of each, in multiples of 45 degrees from +x
 // towards +y.

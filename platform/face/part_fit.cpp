@@ -1,7 +1,6 @@
 #include "face/part_fit.hpp"
 
 #include "base/arrays.hpp"
-#include "face/ibug_landmarks.hpp"
 
 namespace pliant {
 
@@ -11,12 +10,6 @@ constexpr const PartFitTuning& kTuning = kPartFitTuning;
 constexpr std::size_t kShift = 2;  // unknowns before the parameters
 constexpr Vec2 kAxes[kShift] = {{1, 0}, {0, 1}};
 
-/// 1: one of the two points of the upper lid, -1: of the lower one, 0: of neither.
-std::int8_t lid_of(int number) {
-  if (number == 37 || number == 38) return 1;
-  return number == 40 || number == 41 ? -1 : 0;
-}
-
 /// Between the lids of a side, mm; 0 of a part that is no eye. \param mm  of all points, upright crop.
 float gap_of(const PartPoints& points, const PartSide& side, const Vec2* mm) {
   float gap = 0;
@@ -25,44 +18,6 @@ float gap_of(const PartPoints& points, const PartSide& side, const Vec2* mm) {
 }
 
 }  // namespace
-
-Status PartPoints::open(const Model& model) {
-  side_count = count = parameter_count = 0;
-  const Status status = PartTable::open(model.parts(), &table);
-  if (status != Status::ok) return status;
-  for (std::size_t k = 0; k < table.count(); ++k)
-    for (int left = 0; left <= table[k].is_paired; ++left) {
-      if (count + table[k].point_count > kMostPartReadings) return Status::capacity;
-      PartSide& s = side[side_count];
-      s.part = static_cast<std::uint8_t>(k);
-      s.count = table[k].point_count;
-      s.is_left = left != 0;
-      s.first = static_cast<std::uint16_t>(count);
-      const auto of_side = [&](int number) { return left != 0 ? mirrored_part_point(number) : number; };
-      for (int a = 0; a < 2; ++a) {
-        const std::uint16_t anchor = find_ibug(model, of_side(table[k].anchor[a]));
-        if (anchor == kNone) return Status::not_found;
-        s.anchor[a] = model.landmarks()[anchor].uv();
-      }
-      for (std::size_t p = 0; p < s.count; ++p, ++count) {
-        landmark[count] = find_ibug(model, of_side(table[k].number[p]));
-        lid[count] = lid_of(table[k].number[p]);
-        uv[count] = is_fitted(count) ? model.landmarks()[landmark[count]].uv() : s.anchor[0];
-      }
-      ++side_count;
-    }
-  return Status::ok;
-}
-
-void PartPoints::move(const View& view, const Vec3* moved) {
-  const CropMap axes = upright(view);
-  const Projector projector(view, true);
-  for (std::size_t k = 0; k < count; ++k) {
-    if (!is_fitted(k)) continue;
-    const Vec3 by = projector.rotated(moved[landmark[k]]);
-    offset_mm[k] = offset_mm[k] + axes.to_crop(view.s * Vec2{by.x, by.y});
-  }
-}
 
 void PartFit::lay_out(Arena& arena, const Model& model) {
   const std::size_t parameters = model.parameters().count, unknowns = kMostPartParameters + kShift;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/elementary.hpp"
+#include "base/packed_triangle.hpp"
 
 namespace pliant {
 
@@ -19,10 +20,6 @@ constexpr double kSmallestPivot = 1e-6;
 /// Inverse pivot of the estimated covariance in a direction in which its forces do not differ, 1/px: a force that is off by
 /// some 1e-5 px does not agree. Above the rounding of whitened rows, which are floats. Round value, not tuned.
 constexpr double kFlat = 1e5;
-
-constexpr std::size_t packed(std::size_t row, std::size_t column) {  // of a lower triangle, column <= row
-  return row * (row + 1) / 2 + column;
-}
 
 /// Factorises A = L L^T in place. The diagonal gets 1 / pivot. For a pivot that is too small it gets `flat`; 0 leaves the
 /// direction out.

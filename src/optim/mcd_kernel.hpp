@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "base/elementary.hpp"
+#include "base/packed_triangle.hpp"
 #include "optim/mcd_tuning.hpp"
 #include "pliant/outliers.hpp"
 
@@ -14,13 +15,6 @@ namespace pliant::mcd {
 inline constexpr std::size_t kBlock = 64;       // rows gathered at a time
 inline constexpr std::size_t kRowPadding = 16;  // distances are computed for multiples of this many rows
 inline constexpr std::size_t kHistogram = 4096;
-
-constexpr std::size_t packed(std::size_t row, std::size_t column) {
-  return row * (row + 1) / 2 + column;
-}
-constexpr std::size_t packed_size(std::size_t p) {
-  return p * (p + 1) / 2;
-}
 
 /// Standardised data: value of row i, column j at z[j * stride + i]. Readable up to the next multiple of
 /// kRowPadding.

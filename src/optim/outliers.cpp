@@ -46,12 +46,12 @@ void Mcd::State::lay_out(Arena& arena, const McdLimits& limits) {
   scratch.block_float = arena.take<float>(mcd::kBlock * p);
   scratch.block_double = arena.take<double>(mcd::kBlock * p);
   matrices = arena.take<double>(2 * p * p);
-  scratch.moments_room = arena.take<double>(p + mcd::packed_size(p));
-  scratch.factor_room = arena.take<double>(mcd::packed_size(p));
-  scratch.shape_room = arena.take<double>(p + mcd::packed_size(p));
-  scratch.float_shape_room = arena.take<float>(p + mcd::packed_size(p));
+  scratch.moments_room = arena.take<double>(p + packed_size(p));
+  scratch.factor_room = arena.take<double>(packed_size(p));
+  scratch.shape_room = arena.take<double>(p + packed_size(p));
+  scratch.float_shape_room = arena.take<float>(p + packed_size(p));
   seen = arena.take<ScaledNumber>(mcd::kRemembered);
-  candidate_pool = arena.take<float>(mcd::kCandidates * (p + mcd::packed_size(p)));
+  candidate_pool = arena.take<float>(mcd::kCandidates * (p + packed_size(p)));
   scratch.histogram = arena.take<std::uint16_t>(mcd::kHistogram);
 }
 
@@ -194,7 +194,7 @@ bool Mcd::estimate_from(const std::uint16_t* row, std::size_t count, double corr
     for (std::size_t k = 0; k <= j; ++k) {
       if (state_->active[k] == 0) continue;
       const double value =
-          correction * state_->scale[j] * state_->scale[k] * moments.covariance[mcd::packed(a, b++)];
+          correction * state_->scale[j] * state_->scale[k] * moments.covariance[packed(a, b++)];
       estimate.covariance[j * columns_ + k] = estimate.covariance[k * columns_ + j] = value;
     }
     determinant = mcd::times(determinant, state_->scale[j] * state_->scale[j]);
