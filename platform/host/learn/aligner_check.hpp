@@ -27,8 +27,10 @@ struct AlignerCheckTuning {
   /// faces are recognised worse (docs/experiments.md, Text).
   double drawn_per_face = 0.3;
   int found_starts = 4;  ///< alignments of each place that the detector takes for a face
-  double regularisation = 3e-5;  ///< of the squared weights against the mean loss; other values not recorded
-  int rounds = 12;               ///< passes over the examples
+  /// Of the squared weights against the mean loss; and passes over the examples. The descent ends far from its minimum, which does
+  /// not serve better: docs/experiments.md, Expected error, has both.
+  double regularisation = 3e-5;
+  int rounds = 12;
 };
 
 /// Learns from the cascade's examples, where its stages left them, and from alignments in pictures without faces: at random
