@@ -31,6 +31,7 @@ struct CropMap {
   Vec2 to_frame(Vec2 crop) const { return origin + along(crop - middle()); }
   /// A displacement in crop px, in px of the frame.
   Vec2 along(Vec2 d) const { return {right.x * d.x - right.y * d.y, right.y * d.x + right.x * d.y}; }
+  /// The inverse of to_frame.
   Vec2 to_crop(Vec2 frame) const;
 
  private:

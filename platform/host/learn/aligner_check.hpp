@@ -27,8 +27,8 @@ struct AlignerCheckTuning {
   /// faces are recognised worse (docs/experiments.md, Text).
   double drawn_per_face = 0.3;
   int found_starts = 4;  ///< alignments of each place that the detector takes for a face
-  /// Of the squared weights against the mean loss; and passes over the examples. The descent ends far from its minimum, which does
-  /// not serve better: docs/experiments.md, Expected error, has both.
+  /// Of the squared weights against the mean loss; and passes over the examples. The descent ends far from its minimum. With the
+  /// minimum no more frames of films are right (docs/experiments.md, Expected error).
   double regularisation = 3e-5;
   int rounds = 12;
 };
