@@ -57,7 +57,7 @@ Source read_all(const BakeOptions& options) {
     obj.modes = options.modes;
     obj.stiffness = options.stiffness;
     obj.texture = options.texture;
-    obj.most_texture_side = 4 * options.size;
+    obj.most_texture_side = most_texture_side(options.size);
     obj.progress = options.progress;
     return read_obj_source(options.source, obj);
   }

@@ -67,6 +67,11 @@ bool bake(const BakeOptions& options, std::vector<std::uint8_t>& table, std::str
 /// Reads the folder `options.source` and keeps the chosen parameters. Throws SourceError.
 Source read_source(const BakeOptions& options);
 
+/// Pixels on a side of the albedo of an OBJ source, count, at most.
+constexpr int most_texture_side(int size) {
+  return 4 * size;
+}
+
 /// Bakes a source that is in memory, and opens the table to check it. A source without a base mesh gets one. Throws
 /// SourceError when no base mesh of at most 9000 vertices follows the surface's boundary, when the table cannot be opened (two
 /// parameters with one name, more of something than a table may hold), or when its rest shape is no copy of the surface.

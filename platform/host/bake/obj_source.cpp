@@ -66,6 +66,21 @@ std::string parameter_name(std::string name) {
   return name;
 }
 
+/// The albedo from the picture `texture` or, if that is empty, from the pictures of the mesh's materials. Empty without pictures.
+/// \param painted  has each triangle's material as its picture, and no pictures
+GreyImage albedo_from_pictures(const Source& source, const ObjMesh& mesh, PaintedSurface painted,
+                               const std::string& texture, int most_side,
+                               std::vector<std::string>* warnings) {
+  std::vector<int> picture_of(mesh.materials.size(), 0);
+  if (texture.empty())
+    painted.pictures = read_material_pictures(mesh, most_side, &picture_of, warnings);
+  else
+    painted.pictures.push_back(read_image(texture));
+  if (painted.pictures.empty()) return {};
+  for (int& picture : painted.picture) picture = picture_of[at(picture)];
+  return albedo_of(source, painted, most_side);
+}
+
 class FolderReader {
  public:
   FolderReader(const std::string& source, const ObjOptions& options)
@@ -270,16 +285,15 @@ class FolderReader {
 
   void read_albedo() {
     if (options_.texture == "none") return;
-    std::vector<int> picture_of(rest_.materials.size(), 0);
-    if (options_.texture.empty())
-      painted_.pictures =
-          read_material_pictures(rest_, options_.most_texture_side, &picture_of, &source_.warnings);
-    else
-      painted_.pictures.push_back(read_image(options_.texture));
-    if (painted_.pictures.empty()) return;
-    for (int& picture : painted_.picture) picture = picture_of[at(picture)];  // so far, of the material
-    source_.albedo = albedo_of(source_, painted_, options_.most_texture_side);
+    source_.albedo = albedo_from_pictures(source_, rest_, painted_, options_.texture,
+                                          options_.most_texture_side, &source_.warnings);
+    if (source_.albedo.pixels.empty()) return;
     source_.has_print = true;
+    source_.paint = [mesh = rest_, painted = painted_, texture = options_.texture](const Source& source,
+                                                                                   int most_side) {
+      std::vector<std::string> told_before;
+      return albedo_from_pictures(source, mesh, painted, texture, most_side, &told_before);
+    };
   }
 
   /// Changes what parameters.txt lists.
@@ -339,7 +353,7 @@ class FolderReader {
   const std::vector<std::string> files_;
   const bool is_one_file_;  // the source is a file, and no folder
   ObjMesh rest_;
-  PaintedSurface painted_;
+  PaintedSurface painted_;         // so far without pictures, and with materials in their place
   std::vector<int> id_of_corner_;  // ours, of each corner of rest_
   std::vector<int> vertex_of_;     // the file's, of each of our vertices
   std::map<int, int> first_id_;    // ours, of each of the file's

@@ -13,10 +13,10 @@ struct SizeRow {
 };
 
 /// One row for each size with 16 bits a sample, then one for each size with 8 bits. `options.size` and `.bits` are ignored.
-std::vector<SizeRow> compare_sizes(const Source& source, const BakeOptions& options,
-                                   const std::vector<int>& sizes);
+/// \param source  of any size
+std::vector<SizeRow> compare_sizes(Source source, const BakeOptions& options, const std::vector<int>& sizes);
 
 /// The largest of the usual sizes whose table with 8 bits a sample takes at most `most_bytes`; a row of size 0 if none does.
-SizeRow finest_within(const Source& source, const BakeOptions& options, std::size_t most_bytes);
+SizeRow finest_within(Source source, const BakeOptions& options, std::size_t most_bytes);
 
 }  // namespace pliant::host::bake

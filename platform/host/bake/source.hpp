@@ -3,6 +3,7 @@
 /// A surface before it becomes a model table: one triangle mesh over the chart, its rest shape, and how each parameter moves
 /// its vertices. Every kind of input is converted to it.
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -77,6 +78,9 @@ struct Source {
       false;               ///< the surface is its own mirror image (u to 1 - u) and has vertices on u = 0.5
   GreyImage albedo;        ///< may be empty
   bool has_print = false;  ///< the albedo is a print that the surface can be found by
+  /// Reads the pictures of this source anew and gives the albedo of at most so many pixels a side; empty where the albedo does
+  /// not depend on the size of the table. Throws as the reader does.
+  std::function<GreyImage(const Source& source, int most_side)> paint;
   SourceSprings springs;   ///< may be empty
   LearntTables learnt;     ///< for finding faces; each may be empty
   std::vector<std::string> warnings;  ///< of the reader, for the user, one line each

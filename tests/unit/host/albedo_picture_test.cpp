@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
 
 #include "cli_run.hpp"
@@ -97,6 +98,54 @@ TEST_CASE("bake --texture stores the picture as albedo, the right way round") {
                   {"--texture: needs an OBJ file"});
     CHECK_FALSE(folder.has("x.plm"));
   }
+}
+
+namespace {
+
+/// Bytes of the row "size bits identities expressions bytes ..." in what `bake --sizes` printed; 0 without such a row.
+std::size_t bytes_in_row(const std::string& printed, int wanted_size, int wanted_bits) {
+  std::istringstream lines(printed);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    int size = 0, bits = 0, identities = 0, expressions = 0;
+    std::size_t bytes = 0;
+    if (words >> size >> bits >> identities >> expressions >> bytes && size == wanted_size &&
+        bits == wanted_bits)
+      return bytes;
+  }
+  return 0;
+}
+
+}  // namespace
+
+TEST_CASE("bake --sizes tells the bytes of a surface with a texture that bake --size writes") {
+  const Folder folder;
+  const std::string sheet = folder.put("sheet.obj", sheet_obj(false)), table = folder / "m.plm";
+  std::vector<std::string> words{"bake", sheet, "--base-mesh", "60"};
+  SUBCASE("by option") {
+    words.insert(words.end(), {"--texture", folder.put("ramp.png", encode_png(ramp(300, 200)))});
+  }
+  SUBCASE("by material") {
+    folder.put("ramp.png", encode_png(ramp(300, 200)));
+    folder.put("paints.mtl", "newmtl left\nmap_Kd ramp.png\nnewmtl right\nmap_Kd ramp.png\n");
+  }
+  const auto with = [&words](std::vector<std::string> more) {
+    more.insert(more.begin(), words.begin(), words.end());
+    return more;
+  };
+  const Ran sizes = run_words(with({"--sizes", "16,32", "--flash", "80"}));
+  REQUIRE(sizes.code == 0);
+  const auto check = [&](int size, int bits) {
+    CAPTURE(size);
+    CAPTURE(bits);
+    REQUIRE(
+        run_words(with({"-o", table, "--size", std::to_string(size), "--bits", std::to_string(bits)})).code ==
+        0);
+    CHECK(bytes_in_row(sizes.out, size, bits) == fs::file_size(table));
+  };
+  for (const int size : {16, 32})
+    for (const int bits : {16, 8}) check(size, bits);
+  check(40, 8);  // the small profile
 }
 
 namespace {
