@@ -140,6 +140,15 @@ std::optional<Initial> initial_of(const Args& args, const ModelFile& file, const
   return read_initial(*path, file, frames.size(), frames.name(), how, err);
 }
 
+/// Bad usage where the profile has no memory for what is asked.
+void check_profile(const Args& args, const TrackerOptions& options) {
+  const TrackerLimits limits = tracker_limits(args, std::nullopt);
+  const std::string profile = kProfileOption.name + (" " + args.text(kProfileOption.name).value_or("m"));
+  if (options.estimator.mesh_operations > 0 && !limits.keeps_adaptation)
+    fail_usage("--mesh-operations does not apply to " + profile +
+               ", which has no memory for mesh adaptation");
+}
+
 /// Bad input: there is no frame, or it is too small or too large for a track.
 FrameView first_frame(const Args& args, FrameStream& frames) {
   FrameView frame;
@@ -156,6 +165,7 @@ int run_track(const Args& args, Console& console) {
   args.required("--out");
   check_start(args);
   TrackerOptions options = tracker_options(args);
+  check_profile(args, options);
   const int last = args.integer("--count", 0, 1, 1 << 30);
   const ModelFile file(args.operand(0));
   const Model& model = file.model();

@@ -337,6 +337,9 @@ TEST_CASE("options of a track that contradict each other, or have nothing to act
   CHECK(refused({"--marker-exclusion-px", "4"}));
   CHECK(refused({"--cues", ""}));
   CHECK(refused({"--cues", "patches"}));
+  CHECK(refused({"--mesh-operations", "4", "--profile", "s"}));
+  CHECK_FALSE(refused({"--mesh-operations", "0", "--profile", "s"}));
+  CHECK_FALSE(refused({"--mesh-operations", "4", "--profile", "m"}));
 }
 
 TEST_CASE("a focal length that hardly a camera has is told of, in one line") {
