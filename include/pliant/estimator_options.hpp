@@ -104,7 +104,7 @@ struct EstimatorOptions {
   /// Tukey's. Round value, not tuned.
   int iterations = 4;
   Rejection rejection = Rejection::on_doubt;  ///< what is done about outliers
-  /// Bit k: observations of cue k take part.
+  /// Bit k: observations of cue k take part. Cue::flow is the fallback of templates: a tracker has none without Cue::patch.
   std::uint8_t cues = 0x07;
   /// Whether a cue takes part.
   bool uses(Cue cue) const { return (cues >> static_cast<unsigned>(cue) & 1u) != 0; }

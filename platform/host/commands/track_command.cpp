@@ -87,6 +87,8 @@ std::uint8_t cues_of(const Args& args) {
     bits = static_cast<std::uint8_t>(bits | 1u << static_cast<unsigned>(cue));
   }
   if (bits == 0) fail_usage("--cues: patch, flow, edge, not nothing");
+  const auto has = [bits](Cue cue) { return (bits >> static_cast<unsigned>(cue) & 1u) != 0; };
+  if (has(Cue::flow) && !has(Cue::patch)) fail_usage("--cues: flow needs patch, whose fallback it is");
   return bits;
 }
 
@@ -147,6 +149,11 @@ void check_profile(const Args& args, const TrackerOptions& options) {
   if (options.estimator.mesh_operations > 0 && !limits.keeps_adaptation)
     fail_usage("--mesh-operations does not apply to " + profile +
                ", which has no memory for mesh adaptation");
+  if (!args.has("--cues")) return;
+  const bool lacks_edges = limits.edges == nullptr && options.estimator.uses(Cue::edge);
+  const bool lacks_flow = !limits.keeps_previous && options.estimator.uses(Cue::flow);
+  if (lacks_edges || lacks_flow)
+    fail_usage("--cues: " + profile + " has no cue " + (lacks_edges ? "edge" : "flow"));
 }
 
 /// Bad input: there is no frame, or it is too small or too large for a track.

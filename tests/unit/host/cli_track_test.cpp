@@ -337,6 +337,12 @@ TEST_CASE("options of a track that contradict each other, or have nothing to act
   CHECK(refused({"--marker-exclusion-px", "4"}));
   CHECK(refused({"--cues", ""}));
   CHECK(refused({"--cues", "patches"}));
+  for (const char* cues : {"flow", "flow,edge", "edge,flow"}) CHECK(refused({"--cues", cues}));
+  for (const char* cues : {"edge", "patch,edge", "patch,flow", "patch,flow,edge"}) {
+    CHECK(refused({"--cues", cues, "--profile", "s"}));
+    CHECK_FALSE(refused({"--cues", cues}));
+  }
+  CHECK_FALSE(refused({"--cues", "patch", "--profile", "s"}));
   CHECK(refused({"--mesh-operations", "4", "--profile", "s"}));
   CHECK_FALSE(refused({"--mesh-operations", "0", "--profile", "s"}));
   CHECK_FALSE(refused({"--mesh-operations", "4", "--profile", "m"}));
