@@ -1,9 +1,9 @@
 #include "host/bake/surface_modes.hpp"
 
-#include <map>
 #include <stdexcept>
 
 #include "host/bake/at.hpp"
+#include "host/bake/places.hpp"
 #include "host/bake/source_error.hpp"
 
 namespace pliant::host::bake {
@@ -13,12 +13,9 @@ namespace {
 /// The surface with one vertex for each place. `place_of` becomes the place of each vertex.
 BendingMesh joined(const Source& source, const std::vector<char>& is_fixed, std::vector<int>& place_of) {
   BendingMesh mesh;
-  std::map<std::array<float, 3>, int> places;
-  for (const Vec3 p : source.neutral) {
-    const auto [entry, fresh] = places.insert({{p.x, p.y, p.z}, static_cast<int>(places.size())});
-    if (fresh) mesh.position.push_back(p);
-    place_of.push_back(entry->second);
-  }
+  place_of = places_of(source.neutral);
+  for (std::size_t v = 0; v < place_of.size(); ++v)
+    if (at(place_of[v]) == mesh.position.size()) mesh.position.push_back(source.neutral[v]);
   mesh.is_fixed.assign(mesh.position.size(), 0);
   for (std::size_t v = 0; v < is_fixed.size(); ++v)
     if (is_fixed[v]) mesh.is_fixed[at(place_of[v])] = 1;

@@ -1,10 +1,13 @@
-// Springs over lattices: every point is held, and the springs hold together.
+// Springs over lattices: every point is held, the springs hold together, and none leads through the air.
 #include "host/bake/springs.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
+
+#include "host/bake/surface_distance.hpp"
 
 namespace springs_test {
 
@@ -62,6 +65,115 @@ TEST_CASE("springs join all points of a lattice into one, at their distances") {
     }
     CHECK(*std::min_element(held.begin(), held.end()) >= (m > 1 ? 2 : 1));
   }
+}
+
+namespace {
+
+/// A sheet that is folded along its middle line: each leaf is turned by half of what `angle_deg` lacks to 180.
+Source book(float angle_deg) {
+  Source source = lattice(40, 28);
+  const float half = 0.5f * angle_deg * 3.14159265f / 180;
+  for (Vec3& p : source.neutral) {
+    const float s = p.x - 200;
+    p = {s * std::sin(half), p.y, std::fabs(s) * std::cos(half)};
+  }
+  return source;
+}
+
+/// Adds the other surface, moved, without joining vertices.
+void add(const Source& other, Vec3 offset, Source& source) {
+  const int first = static_cast<int>(source.uv.size());
+  for (const Vec3 p : other.neutral) source.neutral.push_back(p + offset);
+  source.uv.insert(source.uv.end(), other.uv.begin(), other.uv.end());
+  for (const auto& t : other.triangles)
+    source.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  source.is_hole.insert(source.is_hole.end(), other.is_hole.begin(), other.is_hole.end());
+}
+
+}  // namespace
+
+TEST_CASE("no spring joins separate parts, however near they are") {
+  Source source = lattice(20, 14);
+  add(lattice(10, 10), {215, 20, 0}, source);  // 15 mm beside it
+  for (std::size_t v = 0; v < source.uv.size(); ++v)
+    source.uv[v].x = 0.4f * source.uv[v].x + (v < 21 * 15 ? 0.0f : 0.6f);
+  const SourceSprings springs = make_springs(source, 0.03f);
+  CHECK(parts(springs) == 2);
+  for (const auto& s : springs.springs)
+    CHECK((springs.points[s.first].x < 0.5f) == (springs.points[s.second].x < 0.5f));
+}
+
+TEST_CASE("no spring joins the two leaves of a fold through the air, and all of its points hold together") {
+  for (const float angle : {30.0f, 50.0f, 90.0f}) {
+    CAPTURE(angle);
+    const SourceSprings springs = make_springs(book(angle), 0.03f);
+    CHECK(parts(springs) == 1);
+    for (const auto& s : springs.springs) {
+      const Vec2 d = springs.points[s.first] - springs.points[s.second];
+      CHECK(square_root(400 * d.x * 400 * d.x + 280 * d.y * 280 * d.y) <= 1.25f * s.length_mm);
+    }
+  }
+}
+
+TEST_CASE("no spring leads over an opening, whether triangles fill it or not") {
+  Source frame = lattice(20, 20);  // 200 mm, with an opening of 100
+  for (std::size_t f = 0; f < frame.triangles.size(); ++f) {
+    Vec2 middle{};
+    for (const int v : frame.triangles[f])
+      middle = middle + (1.0f / 3) * frame.uv[static_cast<std::size_t>(v)];
+    frame.is_hole[f] = std::max(std::fabs(middle.x - 0.5f), std::fabs(middle.y - 0.5f)) < 0.25f;
+  }
+  for (const bool is_filled : {true, false}) {
+    CAPTURE(is_filled);
+    Source source = frame;
+    if (!is_filled) {
+      source.triangles.clear();
+      for (std::size_t f = 0; f < frame.triangles.size(); ++f)
+        if (!frame.is_hole[f]) source.triangles.push_back(frame.triangles[f]);
+      source.is_hole.assign(source.triangles.size(), 0);
+    }
+    const SourceSprings springs = make_springs(source, 0.03f);
+    CHECK(springs.springs.size() > 20);
+    for (const auto& s : springs.springs) {
+      const Vec2 middle = 0.5f * (springs.points[s.first] + springs.points[s.second]);
+      CHECK(std::max(std::fabs(middle.x - 0.5f), std::fabs(middle.y - 0.5f)) >= 0.2f);
+    }
+  }
+}
+
+TEST_CASE("springs lead over a cut of the chart") {
+  Source source = lattice(10, 14);
+  add(lattice(10, 14), {100, 0, 0}, source);  // whose vertices lie on those of the first
+  CHECK(parts(make_springs(source, 0.03f)) == 1);
+}
+
+TEST_CASE("where no two points are neighbours there are no springs, and no points") {
+  Source source;
+  for (int k = 0; k < 30; ++k) {
+    Source one = lattice(1, 1);
+    add(one, {100 * static_cast<float>(k), 0, 0}, source);
+  }
+  const SourceSprings springs = make_springs(source, 0.03f);
+  CHECK(springs.points.empty());
+  CHECK(springs.springs.empty());
+}
+
+TEST_CASE("distances along a lattice are the straight ones to 8 %, and over a fold those of the flat sheet") {
+  const Source flat = lattice(40, 28), folded = book(50);
+  const std::size_t corner = 0, inner = 10 * 41 + 15;
+  for (const std::size_t start : {corner, inner}) {
+    const std::vector<float> over_flat = SurfaceDistance(flat).from(start),
+                             over_fold = SurfaceDistance(folded).from(start);
+    for (std::size_t v = 0; v < flat.uv.size(); ++v) {
+      const float straight = length(flat.neutral[v] - flat.neutral[start]);
+      CHECK(over_flat[v] >= straight * 0.9999f);
+      CHECK(over_flat[v] <= straight * 1.083f);
+      CHECK(over_fold[v] == doctest::Approx(static_cast<double>(over_flat[v])).epsilon(1e-4));
+    }
+  }
+  Source apart = flat;
+  add(flat, {1000, 0, 0}, apart);
+  CHECK(SurfaceDistance(apart).from(0).back() == SurfaceDistance::kNoPath);
 }
 
 }  // namespace springs_test
