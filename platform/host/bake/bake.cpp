@@ -8,6 +8,7 @@
 #include "host/bake/arkit_names.hpp"
 #include "host/bake/cage_source.hpp"
 #include "host/bake/obj_source.hpp"
+#include "host/bake/record_limit.hpp"
 #include "host/bake/source_error.hpp"
 #include "host/bake/springs.hpp"
 #include "host/io/ibug_names.hpp"
@@ -122,7 +123,8 @@ Source read_source(const BakeOptions& options) {
 bool bake(const BakeOptions& options, std::vector<std::uint8_t>& table, std::string& error,
           BakeReport* report) {
   try {
-    const Source source = read_source(options);
+    Source source = read_source(options);
+    leave_out_corrections(source);
     auto bytes = bake_source(source, options, report);
     if (report != nullptr) report->unmatched = names_unknown_to_arkit(source);
     table = std::move(bytes);

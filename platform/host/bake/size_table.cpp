@@ -1,5 +1,7 @@
 #include "host/bake/size_table.hpp"
 
+#include "host/bake/record_limit.hpp"
+
 namespace pliant::host::bake {
 
 namespace {
@@ -26,6 +28,7 @@ SizeRow row_of(const Source& source, BakeOptions options, int size, int bits) {
 }  // namespace
 
 std::vector<SizeRow> compare_sizes(Source source, const BakeOptions& options, const std::vector<int>& sizes) {
+  leave_out_corrections(source);
   std::vector<SizeRow> rows(2 * sizes.size());
   for (std::size_t k = 0; k < sizes.size(); ++k) {
     paint_for(source, sizes[k]);
@@ -36,6 +39,7 @@ std::vector<SizeRow> compare_sizes(Source source, const BakeOptions& options, co
 }
 
 SizeRow finest_within(Source source, const BakeOptions& options, std::size_t most_bytes) {
+  leave_out_corrections(source);
   for (const int size : {256, 192, 128, 112, 96, 80, 64, 56, 48, 40, 32, 24, 16}) {
     const std::size_t rest_shape_bytes = 6 * std::size_t{4} * static_cast<std::size_t>(size * size);
     if (rest_shape_bytes > most_bytes) continue;

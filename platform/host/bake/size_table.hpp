@@ -13,6 +13,7 @@ struct SizeRow {
 };
 
 /// One row for each size with 16 bits a sample, then one for each size with 8 bits. `options.size` and `.bits` are ignored.
+/// Corrective shapes beyond those that a table holds are left out, as `bake` does it.
 /// \param source  of any size
 std::vector<SizeRow> compare_sizes(Source source, const BakeOptions& options, const std::vector<int>& sizes);
 

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "bake_sheet.hpp"
@@ -11,6 +12,7 @@
 #include "host/bake/field_grid.hpp"
 #include "host/bake/landmark_names.hpp"
 #include "host/bake/opened_table.hpp"
+#include "host/bake/record_limit.hpp"
 #include "host/bake/size_table.hpp"
 #include "host/bake/source_error.hpp"
 #include "host/bake/table_writer.hpp"
@@ -346,6 +348,59 @@ TEST_CASE("tables of several sizes: bytes and errors in one go, and the finest w
   CHECK(fitting.table_bytes == rows[5].table_bytes);
   CHECK(finest_within(source, {}, rows[5].table_bytes - 1).size == 56);
   CHECK(finest_within(source, {}, 100).size == 0);
+}
+
+namespace {
+
+/// A sheet with `modes` parameters, and a corrective shape for each two, the later ones larger.
+Source sheet_with_corrections(std::size_t modes) {
+  Source source = sheet(6, dome);
+  const auto shape = [&](std::size_t parameter, int second, float height) {
+    std::vector<Vec3> moved(source.uv.size());
+    for (std::size_t v = 0; v < moved.size(); ++v) moved[v].z = height * source.uv[v].x * source.uv[v].y;
+    source.shapes.push_back({parameter, std::move(moved), {}, {}, {}, -1, second});
+  };
+  for (std::size_t k = 0; k < modes; ++k) {
+    source.parameters.push_back({"mode" + std::to_string(k), Group::expression, -3, 3, 1});
+    shape(k, -1, 5);
+  }
+  for (std::size_t k = 0, n = 0; k < modes; ++k)
+    for (std::size_t i = 0; i <= k; ++i) shape(i, static_cast<int>(k), 1 + 0.01f * static_cast<float>(n++));
+  return source;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "corrective shapes that a table has no room for are left out, the smallest first, and a warning tells") {
+  BakeOptions options;
+  options.size = 16;
+  Source source = sheet_with_corrections(24);  // 24 shapes and 300 corrective ones, five too many
+  source.parameters[0].sd = 0.5f;              // its corrections are half as large
+  CHECK_THROWS_WITH_AS(bake_source(source, options),
+                       ": has 324 shapes, more than 319: choose some with --identities and --expressions",
+                       SourceError);
+  leave_out_corrections(source);
+  REQUIRE(source.shapes.size() == 319);
+  REQUIRE(source.warnings.size() == 1);
+  CHECK(source.warnings[0] ==
+        "left out the 5 smallest of 300 corrective shapes of the bending modes: a table holds 319 shapes. "
+        "Fewer "
+        "--modes or a larger --stiffness need fewer");
+  const auto has = [&source](std::size_t i, int k) {
+    return std::any_of(source.shapes.begin(), source.shapes.end(),
+                       [&](const SourceShape& s) { return s.parameter == i && s.second == k; });
+  };
+  for (const int k : {0, 1, 2, 3, 4}) CHECK_FALSE(has(0, k));
+  for (const int k : {1, 2, 3, 4}) CHECK(has(1, k));
+  for (std::size_t k = 0; k < 24; ++k) CHECK(has(k, -1));
+  const BakedModel baked(bake_source(source, options));
+  CHECK(baked.model.cascade().count == 320);
+  const auto rows = compare_sizes(sheet_with_corrections(24), options, {16});
+  CHECK(rows[0].expressions == 24);
+  leave_out_corrections(source);  // there is room: nothing is left out
+  CHECK(source.shapes.size() == 319);
+  CHECK(source.warnings.size() == 1);
 }
 
 }  // namespace bake_test
