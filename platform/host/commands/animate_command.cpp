@@ -29,7 +29,6 @@ struct Input {
 std::string picture_of(const std::string& path, const std::string& identity, const FitFile& fit,
                        const ModelFile& file) {
   const Image photo = read_image(path);
-  check_model(fit, identity, file);
   if (photo.width != fit.width || photo.height != fit.height)
     fail_input(path, "is not the picture of " + identity + ": that has " + std::to_string(fit.width) + "x" +
                          std::to_string(fit.height) + " pixels");
@@ -52,6 +51,7 @@ Input read_input(const Args& args, const ModelFile& file, Console& console) {
   FitFile fit;
   if (const auto identity = args.text("--identity")) {
     fit = parse_fit(*identity, read_file(*identity));
+    check_model(fit, *identity, file);
     std::vector<float> q(file.model().parameters().count, 0.0f);
     list_unmatched(apply(fit.parameters, *identity, file.model(), q.data()), *identity, console.err);
     setup.identity = &fit.parameters;
@@ -139,8 +139,8 @@ Command animate_command() {
       "[--rate FPS] -o animation.glb|FOLDER/",
       {{"--params", "CSV", "a track, or any table with its columns. Expressions are matched by name",
         Takes::input},
-       {"--identity", "JSON", "a fit with the identity (default: that of the track, or the mean)",
-        Takes::input},
+       {"--identity", "JSON",
+        "a fit of this model with the identity (default: that of the track, or the mean)", Takes::input},
        {"--image", "FILE", "the picture of that fit; it becomes the texture", Takes::input},
        {"--from", "PLM", "the model that was tracked. Values keep their fraction of its ranges",
         Takes::input},

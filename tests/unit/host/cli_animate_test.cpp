@@ -255,6 +255,10 @@ TEST_CASE("a track plays on another person and another model at the same fractio
   CHECK(f.error(other, 1, f.q({{"faceWidth", -2.5f}, {"jawOpen", 0.225f}, {"mouthSmileLeft", 1.0f}})) <
         0.15f);
 
+  check_refused({"animate", small, "--params", params, "--identity", fit, "-o", f / "x.glb"},
+                {"fit.json", "was fitted with another model than " + small});
+  CHECK_FALSE(f.has("x.glb"));
+
   // jawOpen ends at 0.45 in the built-in face and at 1 in the small model.
   const Animation plain = animate({"animate", small, "--params", params}, f / "s.glb");
   CHECK(plain.weight(1, "jawOpen") == doctest::Approx(0.225));
