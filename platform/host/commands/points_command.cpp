@@ -21,6 +21,7 @@
 #include "host/io/page.hpp"
 #include "host/render/overlay.hpp"
 #include "host/render/scene.hpp"
+#include "track/landmark_fit.hpp"
 
 namespace pliant::host {
 
@@ -110,20 +111,26 @@ GivenPoints points_in(const std::string& path, const std::string& text) {
   return given;
 }
 
-/// The landmarks; of a model without, the vertices nearest to the corners, sides and middle of the chart. Given points with a (u,v)
-/// of their own are there as well, under their names.
+/// Whether a fit needs points of the chart beside the landmarks.
+bool has_few_landmarks(const Model& model) {
+  return model.landmarks().count < kLandmarkFitTuning.least_points;
+}
+
+/// The landmarks; of a model that has few, also the vertices nearest to the corners, sides and middle of the chart. Given points
+/// with a (u,v) of their own are there as well, under their names.
 std::vector<Handle> handles_of(const Model& model, const std::vector<NamedPoint>& given) {
   std::vector<Handle> handles;
   for (const Landmark& l : model.landmarks()) handles.push_back({l.name, l.uv()});
-  for (int k = 0; model.landmarks().empty() && k < 9; ++k) {
+  for (int k = 0; has_few_landmarks(model) && k < 9; ++k) {
     const Vec2 wanted{0.5f * static_cast<float>(k % 3), 0.5f * static_cast<float>(k / 3)};
     Vec2 uv = model.base_uv()[0];
     for (const Vec2 other : model.base_uv())
       if (length(other - wanted) < length(uv - wanted)) uv = other;
     char name[32];
     std::snprintf(name, sizeof name, "uv_%.2f_%.2f", static_cast<double>(uv.x), static_cast<double>(uv.y));
-    const bool is_new =
-        std::none_of(handles.begin(), handles.end(), [&](const Handle& h) { return h.name == name; });
+    const bool is_new = std::none_of(handles.begin(), handles.end(), [&](const Handle& h) {
+      return h.name == name || !(length(h.uv - uv) > 0);
+    });
     if (is_new) handles.push_back({name, uv});
   }
   for (const NamedPoint& p : given) {
@@ -229,7 +236,7 @@ int run_points(const Args& args, Console& console) {
   const FitFile start = start_of(args, text, file, image, path, console.err);
   const std::vector<float> q = all_parameters(start, args.text("--start").value_or(path), model);
   const GivenPoints given = text ? points_in(*args.text("--start"), *text) : GivenPoints{};
-  const bool has_uv = model.landmarks().empty() || given.have_uv();
+  const bool has_uv = has_few_landmarks(model) || given.have_uv();
   const std::vector<Handle> handles = handles_of(model, given.all);
   std::vector<Vec2> uv;
   for (const Handle& handle : handles) uv.push_back(handle.uv);
@@ -259,8 +266,8 @@ Command points_command() {
   return {
       "points",
       "Writes a page with the model over a picture, with handles at its landmarks, or at points of its chart "
-      "if "
-      "it has none. They can be moved, switched off and saved; the model follows those that are moved.",
+      "as well if it has fewer than four. They can be moved, switched off and saved; the model follows those "
+      "that are moved.",
       "face.plm (--image picture | --frames VIDEO|FOLDER) [--start fit.json|points.csv|X,Y,W,H] [--focal "
       "PX|--calibration camera.yml] "
       "-o points.html",

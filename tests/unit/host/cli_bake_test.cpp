@@ -140,6 +140,29 @@ TEST_CASE("bake prints the error of the table against its source, and of each pa
   CHECK(contains(html, "\"name\":\"uv_"));
 }
 
+TEST_CASE(
+    "points of the chart are beside the landmarks where there are fewer than the four that a fit needs") {
+  const ObjFolder folder;
+  const std::string picture = folder.folder + "/picture.png";
+  write_file(picture, encode_png(Image(64, 64, 1, 128)));
+  const char* const landmarks[] = {"stem,1", "tip,5", "left,3", "foot,7"};
+  std::string text = "landmark,vertex\n";
+  for (const char* landmark : landmarks) {
+    CAPTURE(std::string(landmark));
+    write_file(folder.folder + "/landmarks.csv", text += std::string(landmark) + "\n");
+    REQUIRE(run_words({"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60", "--size", "16"})
+                .code == 0);
+    const Ran page = run_words({"points", folder / "m.plm", "--image", picture, "-o", folder / "p.html"});
+    REQUIRE(page.code == 0);
+    const std::string html = read_file(folder / "p.html");
+    CHECK(contains(html, "\"name\":\"stem\""));
+    const bool is_enough = landmark == landmarks[3];
+    CHECK(contains(html, "\"name\":\"uv_") != is_enough);
+    CHECK(contains(html, "\"hasUv\":true") != is_enough);
+    CHECK(contains(page.out, is_enough ? ": 4 landmarks, 4 switched on" : " points of the chart, "));
+  }
+}
+
 TEST_CASE("bake shows progress over files and shapes on a terminal only") {
   const ObjFolder folder;
   const std::vector<std::string> words{"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60", "--unit", "10"};
