@@ -116,8 +116,8 @@ struct EstimatorOptions {
   /// reduce them. On a real face the residuals are about 1 mm, ten times the noise of the image.
   float model_error_mm = 1.0f;
   /// Mean error to which the mesh is refined at the start (contour criterion), mm, finite. 0, and mesh_operations 0:
-  /// it stays the model's base mesh. Negative: an estimator that has started keeps its mesh, for a start at nearly the same shape;
-  /// refining it takes as long as two frames.
+  /// it stays the model's base mesh. Negative: an estimator that has started keeps its mesh, for a start at nearly the same shape.
+  /// Refining it takes as long as two frames. The vertices of a mesh that is kept move to the surface within 8 good frames.
   float mesh_error_mm = 0.3f;
   /// Splits and welds after a good frame, at most, count, with which the mesh follows the view. 0: the mesh
   /// of the start stays. The mesh changes pose and parameters only by what it takes as visible.

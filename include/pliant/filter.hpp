@@ -69,7 +69,7 @@ class Smoother {
   void lay_out(Arena& arena, std::size_t parameters);
   /// The next sample is taken unchanged.
   void restart() { is_fresh_ = true; }
-  /// The model has been turned by this rotation in its own axes: so is the smoothed pose.
+  /// The model has been turned by this rotation, in the axes of Pose::q: so is the smoothed pose.
   void turn(Quat by) { pose_.q = normalised(pose_.q * by); }
   /// Adds a sample, `seconds` after the one before.
   /// \param range  of each parameter; greater than 0 where its speed counts.

@@ -103,7 +103,8 @@ class Fitter {
   void lay_out(Arena& arena, const Model& model, const FitLimits& limits);
 
   /// Estimates pose, camera and the free parameters. Cost: at most options.iterations linearisations of all points, three times
-  /// that where the surface folds over; without a start also 50 of the pose alone.
+  /// that where the surface folds over; without a start also 50 of the pose alone, and about 50 of all more where the result is in
+  /// doubt.
   /// \param points  at least four.
   /// \param q       all parameters: initial values, of free ones clamped to their ranges, and result. Null only for a model
   ///                without parameters.

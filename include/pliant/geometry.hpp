@@ -42,6 +42,11 @@ struct Pose {
   Vec3 t{0, 0, 1000};  ///< translation, mm
 };
 
+/// A turn that is applied before Pose::q (q becomes q * turn), as a rotation of the model in its own axes.
+constexpr Quat in_model_axes(Quat turn) {
+  return {turn.w, turn.x, -turn.y, -turn.z};
+}
+
 /// Square root, correctly rounded on every target. Negative arguments, which rounding errors make of zeros, give 0. NaN gives NaN:
 /// as a 0 it would pass for a distance of nothing, or for certainty.
 float square_root(float x);

@@ -8,8 +8,8 @@ constexpr float kFar = 1e30f;
 
 /// The cells [*first, *end) of `count` along one axis whose centres lie between three corners. A small triangle may have none.
 inline void find_cells(float a, float b, float c, int count, int* first, int* end) {
-  const auto first_from = [count](float value) {
-    return static_cast<int>(clamp(value + 0.5f, 0, static_cast<float>(count)));
+  const auto first_from = [count](float value) {  // 0 for NaN, too
+    return static_cast<int>(min(max(0, value + 0.5f), static_cast<float>(count)));
   };
   *first = first_from(min(a, min(b, c)));
   *end = first_from(max(a, max(b, c)));

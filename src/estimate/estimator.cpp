@@ -74,7 +74,7 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   s.width = width;
   s.height = height;
   s.set_state(pose, q);
-  return s.start_parts(options);
+  return s.start_parts(options, keeps_mesh);
 }
 
 Status Estimator::Impl::choose_free(const std::uint8_t* is_free) {
@@ -101,7 +101,7 @@ void Estimator::Impl::set_state(const Pose& pose, const float* q) {
   copy(state, parameter_count(), &trusted);
 }
 
-Status Estimator::Impl::start_parts(const EstimatorOptions& options) {
+Status Estimator::Impl::start_parts(const EstimatorOptions& options, bool keeps_mesh) {
   tangent_interval = interval(options.tangent_interval_frames);
   vertex_interval = interval(options.vertex_interval_frames);
   frame = 0;
@@ -115,8 +115,8 @@ Status Estimator::Impl::start_parts(const EstimatorOptions& options) {
   if (status == Status::ok && springs != nullptr) status = stretch->start(*springs, cascade, state.q);
   if (status != Status::ok) return status;
   points.clear(cascade.samples_per_point());
-  surface.adapt(cascade, state, mesh_policy(options));
-  update_surface(1);
+  surface.adapt(cascade, state, mesh_policy(options), keeps_mesh);
+  surface_is_trusted = false;
   started = true;
   return Status::ok;
 }

@@ -36,7 +36,7 @@ struct Estimator::Impl : StateParts {
   Status choose_free(const std::uint8_t* is_free);
   void set_view(const Pose& pose);
   void set_state(const Pose& pose, const float* q);
-  Status start_parts(const EstimatorOptions& options);
+  Status start_parts(const EstimatorOptions& options, bool keeps_mesh);
   MeshPolicy mesh_policy(const EstimatorOptions& options) const;
   void update_surface(std::uint32_t interval) {
     surface.update(cascade, state, frame, interval, interval <= 1);

@@ -102,7 +102,6 @@ float FrameProblem::linearise() {
   scratch.work.rows += static_cast<std::uint32_t>(rows.count());
   const Projector projector(state.view, true);
   const float per_scale = 1.0f / scale, per_square = per_scale * per_scale;
-  float sum = 0;
   for (std::size_t k = 0; k < rows.count(); ++k) {
     announce(k);
     Jacobian jacobian;
@@ -112,12 +111,11 @@ float FrameProblem::linearise() {
     const bool in_front = projector.project(p, &x, &d);
     rows.measure(k, x);
     if (!rows[k].is_kept) continue;
-    const LossValue value = evaluate(loss, rows.length(k) * per_scale);
-    sum += value.rho;
-    if (in_front && value.weight > 0) add_row(d, jacobian, k, value.weight * per_square);
+    const float weight = evaluate(loss, rows.length(k) * per_scale).weight;
+    if (in_front && weight > 0) add_row(d, jacobian, k, weight * per_square);
   }
   add_priors();
-  return sum + prior_cost(state.view, state.q);
+  return prior_cost(state.view, state.q) + rows.cost(loss, scale, true);
 }
 
 float FrameProblem::try_step(const float* step) {
@@ -127,11 +125,7 @@ float FrameProblem::try_step(const float* step) {
     scratch.trial_q[i] = stepped(parameter(i), state.q[i], step[kPoseUnknowns + k]);
   }
   measure(trial, scratch.trial_q);
-  const float per_scale = 1.0f / scale;
-  float sum = prior_cost(trial, scratch.trial_q);
-  for (std::size_t k = 0; k < rows.count(); ++k)
-    if (rows[k].is_kept) sum += evaluate(loss, rows.length(k) * per_scale).rho;
-  return sum;
+  return prior_cost(trial, scratch.trial_q) + rows.cost(loss, scale, true);
 }
 
 void FrameProblem::accept() {
@@ -161,9 +155,7 @@ void FrameProblem::minimise(int iterations, float relative_decrease, SolverRepor
 }
 
 float FrameProblem::total_cost(float in_scale) const {
-  float sum = prior_cost(state.view, state.q);
-  for (std::size_t k = 0; k < rows.count(); ++k) sum += evaluate(Loss::tukey, rows.length(k) / in_scale).rho;
-  return sum;
+  return prior_cost(state.view, state.q) + rows.cost(Loss::tukey, in_scale, false);
 }
 
 bool FrameProblem::pose_jacobian(std::size_t row, const Projector& projector, float* b) const {

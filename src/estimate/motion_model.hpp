@@ -69,7 +69,8 @@ class MotionModel {
                const ModelState& trusted);
   /// Continues from `state` at rest: it was measured in another way.
   void move(const ModelState& state);
-  /// The model has been turned by this rotation in its own axes: a filter at rest, and a smoothed output that turns with it.
+  /// The model has been turned by this rotation, in the axes of Pose::q: a filter at rest, and a smoothed output that turns with
+  /// it.
   void turn(const ModelState& state, Quat by);
   /// As `move`, without a sample of the smoothed output: the track is lost.
   void rest(const ModelState& state);

@@ -5,8 +5,9 @@ namespace pliant {
 namespace {
 
 constexpr const ObservationRowsTuning& kTuning = kObservationRowsTuning;
+
 /// Median of a Rayleigh variable, sqrt(2 ln 2), over that of a half-normal one, 0.67449.
-constexpr float kLineToPlane = 1.74559f;
+constexpr float kLineToPlane = 1.74559f, kPerSquare = 1 / (kLineToPlane * kLineToPlane);
 
 float mahalanobis(Sym2 w, Vec2 r) {
   return square_root(w.xx * r.x * r.x + 2 * w.xy * r.x * r.y + w.yy * r.y * r.y);
@@ -122,6 +123,15 @@ void ObservationRows::measure(std::size_t k, Vec2 x) {
     residuals_[k] = o.x - x;
   }
   lengths_[k] = best;
+}
+
+float ObservationRows::cost(Loss loss, float scale, bool only_kept) const {
+  const float per_scale = 1.0f / scale;
+  float sum = 0;
+  for (std::size_t k = 0; k < count_; ++k)
+    if (rows_[k].is_kept || !only_kept)
+      sum += (rows_[k].is_line ? kPerSquare : 1.0f) * evaluate(loss, lengths_[k] * per_scale).rho;
+  return sum;
 }
 
 float ObservationRows::scale() {

@@ -53,7 +53,8 @@ struct RowPolicy {
 
 /// The rows of one solve, and the noise scale of each cue from frame to frame.
 /// Lengths are whitened: they are in standard deviations of the observation. The length of a line is multiplied by the ratio of
-/// the medians of a Rayleigh and a half-normal variable, so that one robust scale fits lines and points. Bytes: 36 a row.
+/// the medians of a Rayleigh and a half-normal variable, so that one robust scale fits lines and points. The cost is without
+/// it, so that the equations are its slope. Bytes: 36 a row.
 class ObservationRows {
  public:
   void lay_out(Arena& arena, std::size_t rows);
@@ -73,6 +74,9 @@ class ObservationRows {
   Vec2 residual(std::size_t k) const { return residuals_[k]; }
   Sym2 information(std::size_t k) const { return information_[k]; }
   float length(std::size_t k) const { return lengths_[k]; }
+  /// Sum of the rows' losses at the last `measure`; of lines, over the square of that ratio. \param only_kept  of the rows that
+  /// take part.
+  float cost(Loss loss, float scale, bool only_kept) const;
   Observation* observations_of(std::size_t k) { return &observations_[rows_[k].first]; }
 
   /// Equations of all rows: two for a point, one for a line.

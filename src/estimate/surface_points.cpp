@@ -111,7 +111,7 @@ Status SurfacePoints::add_curve(Span<const Vec2> polyline, float spacing_mm, Cas
 
 void SurfacePoints::sample_again(std::uint16_t id, Quat turn, Cascade& cascade, const float* q) {
   place(id, uv_[id], cascade, q);
-  const Mat3 back = rotation_matrix(conjugate(turn));
+  const Mat3 back = rotation_matrix(conjugate(in_model_axes(turn)));
   tangent_u_[id] = back * tangent_u_[id];
   tangent_v_[id] = back * tangent_v_[id];
 }

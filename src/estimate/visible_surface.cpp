@@ -53,7 +53,8 @@ void VisibleSurface::forget_unused_samples() {
     if (!mesh_.is_live_vertex(static_cast<VertexId>(v))) uv_[v] = kNowhere;
 }
 
-void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const MeshPolicy& policy) {
+void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const MeshPolicy& policy,
+                           bool keeps_vertices) {
   policy_ = policy;
   copy(state.q, parameters_, surface_q_);
   select_surface(cascade);
@@ -76,7 +77,7 @@ void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const Mesh
   if (adapts && adapter_.start(mesh_, surface, criterion) == Status::ok) adapter_.adapt(options);
   forget_unused_samples();  // a mesh that is kept has those of the person before, also of vertices that it has just lost
   if (keeps_samples()) first_outdated_ = 0;
-  renew_vertices(cascade, state.q, kAllVertices);
+  update(cascade, state, 0, 1, !keeps_vertices);
 }
 
 /// The surface that the mesh is adapted to. A vector that hardly moves a vertex bends a triangle by much less.
@@ -115,7 +116,7 @@ void VisibleSurface::place_vertex(Cascade& cascade, const float* q, VertexId v) 
 void VisibleSurface::revise(const float* q, Quat turn) {
   copy(q, parameters_, surface_q_);
   has_new_surface_ = true;
-  const Mat3 back = rotation_matrix(conjugate(turn));
+  const Mat3 back = rotation_matrix(conjugate(in_model_axes(turn)));
   for (VertexId v : mesh_.vertices()) position_[v] = back * position_[v];
   if (keeps_samples()) first_outdated_ = 0;
   forget_unused_samples();

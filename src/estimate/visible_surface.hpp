@@ -91,8 +91,10 @@ class VisibleSurface {
 
   /// Starts from the model's base mesh. \return the statuses of Mesh::set_base.
   Status start(const Model& model);
-  /// Adapts the mesh to the surface at `state`, once. `cascade` must stay.
-  void adapt(Cascade& cascade, const ModelState& state, const MeshPolicy& policy);
+  /// Adapts the mesh to the surface at `state`, once, and moves its vertices there. `cascade` must stay.
+  /// \param keeps_vertices  those that have samples are near the surface: some move there now, and some in each call of `update`.
+  void adapt(Cascade& cascade, const ModelState& state, const MeshPolicy& policy,
+             bool keeps_vertices = false);
   /// Makes at most policy.operations splits and welds for the view of `state`. The surface is that of `adapt`, so that
   /// ranks of different frames are comparable.
   void follow_view(Cascade& cascade, const ModelState& state, std::uint32_t frame);

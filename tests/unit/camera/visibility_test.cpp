@@ -122,6 +122,23 @@ TEST_CASE("faces with a vertex behind the camera are not drawn, whatever the ima
   }
 }
 
+TEST_CASE("a vertex whose position is no number, as products of large matrices make it, hides nothing") {
+  ModelBuilder b;
+  b.grid_mesh(4);
+  InArena<Mesh> mesh(MeshLimits{});
+  set_base(mesh.object, b);
+  std::vector<Vec2> image;
+  for (Vec2 uv : b.vertices) image.push_back({50 + 100 * uv.x, 20 + 80 * uv.y});
+  std::vector<float> depth(image.size(), 500.0f);
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  image[0] = {kNone, kNone};
+  depth[0] = std::numeric_limits<float>::infinity();
+  InArena<DepthBuffer> buffer(16, 16);
+  buffer->draw(mesh.object, image.data(), depth.data());
+  CHECK_FALSE(buffer->hides({55, 25}, 900, 5));
+  CHECK(buffer->hides({120, 80}, 900, 5));
+}
+
 TEST_CASE("a mesh behind the camera is not drawn") {
   ModelBuilder b;
   b.grid_mesh(2);

@@ -163,11 +163,25 @@ TEST_CASE("a new start keeps the mesh if it is told to, with the vertices where 
   scene.q[0] += 1;
   scene.start(e.object, 0.2f, keeping);
   REQUIRE(static_cast<std::size_t>(e->mesh().vertex_count()) == uv.size());
+  const auto farthest = [&] {
+    float most = 0;
+    for (const VertexId v : e->mesh().vertices())
+      most = max(most, length(e->vertex_positions()[v] - e->surface_point(e->mesh().uv(v))));
+    return most;
+  };
   for (const VertexId v : e->mesh().vertices()) {
     CHECK(e->mesh().uv(v).x == uv[v].x);
     CHECK(e->mesh().uv(v).y == uv[v].y);
-    CHECK(length(e->vertex_positions()[v] - e->surface_point(e->mesh().uv(v))) < 0.1f);
   }
+  CHECK(farthest() > 0.1f);
+  for (std::size_t k = 0; k < kVisibleSurfaceTuning.renewal_frames; ++k) {
+    std::vector<Observation> seen = scene.observe(0.2f, scene.q, 0);
+    e->begin(static_cast<std::int64_t>(k) * 33'000'000);
+    e->predict();
+    e->solve(span(seen));
+    REQUIRE(e->end().state == TrackState::tracking);
+  }
+  CHECK(farthest() < 0.1f);
 }
 
 TEST_CASE("a model without parameters starts without values for them, and its pose is found") {

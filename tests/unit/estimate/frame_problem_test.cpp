@@ -26,8 +26,8 @@ struct Rig {
   SolveInput input{egg.cascade.object, points.object, expected.motion->expected()};
   FrameProblem problem{input, rows.object, scratch.object, egg.state};
 
-  /// \param information  of an observation, 1/px^2.
-  Rig(float turn, float jaw, float information) {
+  /// \param information  of an observation, 1/px^2. \param has_lines  every second one is known across a line only.
+  Rig(float turn, float jaw, float information, bool has_lines = false) {
     points->clear(egg.samples());
     std::uint16_t id;
     for (int k = 0; k < int(kPoints); ++k)
@@ -40,6 +40,7 @@ struct Rig {
       o.id = id;
       o.x = truth.image_of(points->uv(id));
       o.information = {information, 0, information};
+      if (has_lines && id % 2 != 0) o.information = {information / 2, information / 2, information / 2};
       seen.push_back(o);
     }
     rows->start({0x07, 0, 0.1f});
@@ -71,9 +72,14 @@ struct Rig {
 TEST_CASE(
     "the equations are the cost's slope in every unknown: with outliers, and where a parameter is near and "
     "far from its expected value") {
+  bool has_lines = false;
+  SUBCASE("points") {}
+  SUBCASE("points and lines") {
+    has_lines = true;
+  }
   for (const Loss loss : {Loss::squares, Loss::huber, Loss::tukey})
     for (const float jaw : {0.02f, 0.25f}) {
-      Rig rig(0.01f, 0.1f, 4);
+      Rig rig(0.01f, 0.1f, 4, has_lines);
       rig.seen[3].x = rig.seen[3].x + Vec2{2, -1};
       rig.problem.loss = loss;
       rig.egg.q[kJaw] = jaw;

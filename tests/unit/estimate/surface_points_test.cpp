@@ -92,6 +92,19 @@ TEST_CASE("a point behind the camera is told, and predicted far from the image")
   CHECK(p.x.x == kBehind.x);
 }
 
+TEST_CASE("the camera sees the tangents of a model that has turned as it did before") {
+  Rig rig;
+  std::uint16_t id;
+  REQUIRE(rig.add(PointKind::surface, {0.4f, 0.6f}, &id) == Status::ok);
+  const Mat2 before = rig.predict(id).jacobian;
+  const Quat turn = exp_rotation({0.05f, 0.1f, -0.07f});
+  rig.points->sample_again(id, turn, rig.egg.cascade.object, rig.egg.state.q);
+  rig.egg.state.view.q = rig.egg.state.view.q * turn;
+  const Mat2 after = rig.predict(id).jacobian;  // the point moves a little towards or away from the camera
+  CHECK(length(Vec2{after.a - before.a, after.c - before.c}) < 2);
+  CHECK(length(Vec2{after.b - before.b, after.d - before.d}) < 2);
+}
+
 TEST_CASE("one point in the interval gets new tangents in a frame, all of them after the interval") {
   Rig rig;
   std::uint16_t id;
