@@ -125,7 +125,7 @@ typedef struct pliant_result {
   float landmark_error;      /**< expected, as a fraction of the distance of the outer eye corners; 0: unknown */
   int32_t is_searching;      /**< 1: there is no track; the next frame is searched for the face or print */
   float gaze[3];             /**< of both eyes relative to the head: unit vector to the subject's left, up, ahead; 0: not seen */
-  uint32_t track, person;    /**< count tracks and persons, from 1: another where another one has begun; a print has no person, 0 */
+  uint32_t track, person;    /**< count tracks and persons, from 1: others where others begin; 0: of a print that was found */
 } pliant_result;
 
 /* The layout that the library was compiled with. */

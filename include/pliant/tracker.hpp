@@ -88,7 +88,9 @@ class Tracker {
   Status start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, const StartOptions& start = {},
                         const TrackerOptions& options = {}, Span<const Vec2> markers = {});
 
-  /// Starts from what `save` wrote. Without landmark offsets (count 0) landmarks are where the model has them.
+  /// Starts from what `save` wrote. Without landmark offsets (count 0) landmarks are where the model has them. Where limits have
+  /// second looks and there are no markers, the face, which may have moved a little, is aligned in the frame, as the state's person
+  /// with its offsets. Else the frame must show it where it was saved.
   /// \return bad_argument (arrays of another size than the model's), and the statuses of start_from_pose.
   Status start_from_state(const FrameView& frame, const SavedState& state, const TrackerOptions& options = {},
                           Span<const Vec2> markers = {});
@@ -127,7 +129,9 @@ class Tracker {
   const FrameWork& work() const;
   /// The camera of the start, with the focal length that it found. Its focal length is 0 while there is no track.
   const Camera& camera() const;
-  Estimator& estimator();  ///< The estimator, for access to its full state. Only while there is a track.
+  /// The estimator, for access to its full state. Only while there is a track. Between frames Estimator::predict and
+  /// Estimator::refresh_vertices change what the next frames take as hidden, and so their results; other queries change nothing.
+  Estimator& estimator();
 
   /// All parameters at the state of the last frame, in the model's order. Valid until the next call that
   /// changes it. While there is no track: those of the last one, or of a start that failed since.

@@ -1,6 +1,9 @@
 #include "track/edge_tracker.hpp"
 
 #include "base/integers.hpp"
+#include "estimate/track_monitor.hpp"
+#include "track/template_tuning.hpp"
+#include "track/tracker_parts.hpp"
 #include "track/tracker_sizes.hpp"
 
 namespace pliant {
@@ -125,8 +128,21 @@ EdgeTracker* lay_out(Arena& arena, const TrackerLimits& limits) {
   return create_part<EdgeTracker>(arena, limits);
 }
 
+void start_late(TrackerParts& t, const FrameView&) {
+  if (t.progress.bad_frames > 0) return;  // the surface is not where the estimator has it
+  t.progress.rest = nullptr;
+  t.edges->start(t.estimator, t.region);
+}
+
+std::size_t start(TrackerParts& t, std::size_t templates) {
+  constexpr int kEnough = larger(kTrackerTuning.least_templates, kTrackMonitorTuning.least_inliers);
+  if (!t.limits.keeps_previous || templates < kEnough) return t.edges->start(t.estimator, t.region);
+  t.progress.rest = start_late;
+  return 0;
+}
+
 }  // namespace
 
-const EdgeMatching kEdgeMatching{lay_out, &EdgeTracker::start, &EdgeTracker::match, &EdgeTracker::end_frame};
+const EdgeMatching kEdgeMatching{lay_out, start, &EdgeTracker::match, &EdgeTracker::end_frame};
 
 }  // namespace pliant

@@ -43,6 +43,8 @@ class EdgeTracker {
   /// room. A point of a curve takes its contrast in this frame as reference, and its offset from the model's curve; one
   /// without an edge is not matched later. \return how many will be matched.
   std::size_t start(Estimator& estimator, const FrameRegion& region);
+  /// Nothing is matched until the next start: the estimator has no points of the edges any more.
+  void forget() { count_ = 0; }
 
   /// Matches all edge points. \param image_scale  of the view, px per mm. \return how many observations were written.
   std::size_t match(const PredictionTable& predictions, const FrameRegion& region, float image_scale,
@@ -69,10 +71,14 @@ class EdgeTracker {
   float prediction_sd_px_ = 0;
 };
 
-/// Makes an edge tracker, and its calls (`kEdgeMatching`, tracker_limits.hpp).
+struct TrackerParts;
+
+/// Makes an edge tracker, and a tracker's calls to it (`kEdgeMatching`, tracker_limits.hpp).
 struct EdgeMatching {
   EdgeTracker* (*lay_out)(Arena& arena, const TrackerLimits& limits);
-  std::size_t (EdgeTracker::*start)(Estimator& estimator, const FrameRegion& region);
+  /// Ends a start, in the picture that the region has. A start is the longest frame: where it has captured enough templates and
+  /// pictures last, edges are left to the next frame. \return how many will be matched in it.
+  std::size_t (*start)(TrackerParts& tracker, std::size_t templates);
   std::size_t (EdgeTracker::*match)(const PredictionTable& predictions, const FrameRegion& region,
                                     float image_scale, Span<Observation> out);
   void (EdgeTracker::*end_frame)(Span<const Observation> out);

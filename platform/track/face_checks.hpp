@@ -73,6 +73,8 @@ class FaceChecks {
   /// 742 instead of 637 frames with profile S; where those of a start from the caller's landmarks hurry as well, heads
   /// that turn have 2.4 instead of 2.0 degrees at 95 %.
   bool is_urgent() const { return bad_ > 0 || (is_aligned_ && !has_confirmed() && is_due()); }
+  /// Whether the last check was bad: no face is seen where the track is.
+  bool is_refuted() const { return bad_ > 0; }
   /// Whether enough checks were good for the person to be known.
   bool has_confirmed() const { return good_ >= kFaceChecksTuning.checks_of_known_person; }
 

@@ -64,7 +64,6 @@ void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptio
 
 Status search(TrackerParts& t, const FrameView& view) {
   FaceDetectionState& self = face_detection_of(t);
-  t.budget = {};
   if (!t.block.is_of_search) {
     new (&t.estimator) Estimator();
     self.face_search.begin();
@@ -107,7 +106,6 @@ void give_up(TrackerParts& t) {
 
 void conclude(TrackerParts& t, const FrameView& view) {
   FaceDetectionState& self = face_detection_of(t);
-  t.result.gaze = self.parts != nullptr && t.progress.bad_frames == 0 ? self.parts->gaze : Vec3{};
   constexpr float kWork = kFaceChecksTuning.check_work;
   WaitingWork& check = t.budget.check;
   const bool is_bad = t.progress.bad_frames > 0;
@@ -116,6 +114,7 @@ void conclude(TrackerParts& t, const FrameView& view) {
     const bool checks = self.checks.is_due() && t.budget.take(check, kWork);
     goes_on = self.checks.conclude(view, t.estimator, checks, t.unused_between_frames, &t.result) &&
               !self.poor_start.is_over(view, t.estimator);
+    if (self.parts != nullptr && !self.checks.is_refuted()) t.result.gaze = self.parts->gaze;
   }
   const SecondLook* const second = self.look != nullptr ? t.limits.second_look : nullptr;
   if (goes_on && second != nullptr && second->conclude(t, view)) return;
@@ -166,7 +165,8 @@ void keep_parts(TrackerParts& t, const Vec3* moved) {
   if (self.parts != nullptr) self.parts->move(t.estimator.view(), moved);
 }
 
-/// Centres the crops, and notes how this person's parts differ from the model.
+}  // namespace
+
 void calibrate_parts(TrackerParts& t, const FrameView& view) {
   FaceDetectionState& self = face_detection_of(t);
   if (self.parts == nullptr) return;
@@ -178,18 +178,20 @@ void calibrate_parts(TrackerParts& t, const FrameView& view) {
   }
 }
 
+namespace {
+
 void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& options) {
   FaceDetectionState& self = face_detection_of(t);
   if (self.keep_start_of_caller(options))
     self.person.is_known = false;
   else if (!self.person.is_known)
     ++t.numbers.person;
+  if (self.look != nullptr) t.limits.second_look->begin_track(t);
   self.last_read_ns = view.time_ns;
   calibrate_parts(t, view);
   self.poor_start.begin(t.result.tracked, t.limits.patches, view, t.estimator);
   self.face_search.end();
   self.checks.begin_track(self.landmark_error, self.person.is_known);
-  if (self.look != nullptr) t.limits.second_look->begin_track(t);
   self.landmark_error = 0;
   t.budget.check.is_reserved = true;
   conclude(t, view);

@@ -31,6 +31,8 @@ struct FaceDetectionState : DetectionState {
   void begin_anew(TrackerParts& tracker, const FrameView& frame, const AlignedFace& face);
   /// The same of the same person, where the track is: its templates are given up.
   void renew(TrackerParts& tracker, const FrameView& frame, float error);
+  /// Begins the caller's track where an alignment has it, with parameters q: the same track, of the same person.
+  void resume_at(TrackerParts& tracker, const FrameView& frame, const AlignedFace& face, const float* q);
 };
 
 }  // namespace pliant

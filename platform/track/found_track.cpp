@@ -1,5 +1,10 @@
-// Tracks that begin while another one of the face ends.
+// Tracks that begin while another one of the face ends. A start takes as long as three frames of a track, so that it is spread over
+// as many (docs/algorithms.md, section 9.2).
 #include "track/found_track.hpp"
+
+#include "base/arrays.hpp"
+#include "track/second_look.hpp"
+#include "track/template_tuning.hpp"
 
 namespace pliant {
 
@@ -12,13 +17,74 @@ TrackerOptions with_present_mesh(const TrackerOptions& kept) {
   return options;
 }
 
+/// The templates that a start has left, in the picture of the frame after it. Edges are left to the next one.
+void capture_others(TrackerParts& t, const FrameView&) {
+  if (t.progress.bad_frames > 0) return;  // the surface is not where the estimator has it
+  t.progress.rest = nullptr;
+  t.placement.place(t.templates, t.estimator, t.region, t.markers, used_templates(t), t.limits.patches);
+  if (t.progress.uses_edges) t.limits.edges->start(t, used_templates(t));
+  t.budget.give_half_to(t.budget.second_look);
+  face_detection_of(t).look->is_captured = true;
+}
+
+/// Starts with a part of the templates, in the picture that the region has, if that lasts.
+template <class Start>
+void spread(TrackerParts& t, Start&& start) {
+  if (t.limits.keeps_previous)
+    t.first_templates = static_cast<std::uint16_t>(t.limits.patches / kTemplatePlacementTuning.start_divisor);
+  const bool is_spread = t.first_templates > 0;
+  if (t.edges != nullptr) t.edges->forget();
+  (void)start();  // a track that cannot begin is lost
+  t.first_templates = 0;
+  if (is_spread && t.is_started) t.progress.rest = capture_others;  // a check may have ended it
+}
+
+void begin(TrackerParts& t, const FrameView& frame, const NextTrack& next) {
+  FaceDetectionState& detection = face_detection_of(t);
+  if (next.is_same_person)
+    detection.renew(t, frame, next.face.landmark_error);
+  else
+    detection.begin_anew(t, frame, next.face);
+}
+
+/// The last frame's picture is there until this one's is built.
+void begin_in_last(TrackerParts& t, const FrameView& frame) {
+  t.progress.rest = nullptr;
+  if (!is_free(t)) return;
+  const NextTrack next = face_detection_of(t).look->next;  // a copy: the start ends looks
+  FrameView last = frame;
+  last.time_ns = next.time_ns;
+  begin(t, last, next);
+  t.budget.give_half_to(t.budget.second_look);
+}
+
 }  // namespace
+
+bool is_free(const TrackerParts& t) {
+  return !t.given.identity && !t.given.landmarks && t.markers.count() == 0;
+}
+
+bool begin_soon(TrackerParts& t, const FrameView& frame, const NextTrack& next) {
+  if (!t.limits.keeps_previous || !is_free(t)) {
+    begin(t, frame, next);
+    return true;
+  }
+  face_detection_of(t).look->next = next;
+  t.progress.rest = begin_in_last;
+  return false;
+}
+
+std::size_t used_templates(const TrackerParts& t) {
+  std::size_t count = 0;
+  while (count < t.limits.patches && t.templates[count].is_used) ++count;
+  return count;
+}
 
 void FaceDetectionState::begin_anew(TrackerParts& t, const FrameView& view, const AlignedFace& face) {
   StartPose found;
   face_search.set_new_person(face, &person_of(t), &found);
   landmark_error = face.landmark_error;
-  (void)start_found(t, view, found, with_present_mesh(kept.options));  // a track that cannot begin is lost
+  spread(t, [&] { return start_found(t, view, found, with_present_mesh(kept.options)); });
 }
 
 void FaceDetectionState::renew(TrackerParts& t, const FrameView& view, float error) {
@@ -27,7 +93,17 @@ void FaceDetectionState::renew(TrackerParts& t, const FrameView& view, float err
   note_person(found.camera);
   marker_count = t.markers.save(t.estimator, markers);
   landmark_error = error;
-  (void)start(t, view, found, with_present_mesh(kept.options));  // a track that cannot begin is lost
+  spread(t, [&] { return start(t, view, found, with_present_mesh(kept.options)); });
+}
+
+void FaceDetectionState::resume_at(TrackerParts& t, const FrameView& view, const AlignedFace& face,
+                                   const float* q) {
+  copy(q, t.start_q.count, t.start_q.data);
+  marker_count = 0;
+  landmark_error = face.landmark_error;
+  const TrackNumbers numbers = t.numbers;
+  (void)start(t, view, {face.camera, face.pose}, with_present_mesh(kept.options));
+  t.numbers = numbers;  // it is still the caller's start
 }
 
 }  // namespace pliant

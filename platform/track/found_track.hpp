@@ -6,6 +6,8 @@
 
 namespace pliant {
 
+struct NextTrack;
+
 /// The face box of a track, as its parameters have it; side 0 if the model has no such landmarks.
 inline FaceBox box_of_track(TrackerParts& t) {
   const auto place = [&](std::uint16_t k, Vec2* x) { return t.offsets.project(k, t.estimator, x); };
@@ -30,6 +32,19 @@ inline KnownPerson& person_of(TrackerParts& t) {
   person.offsets = &t.offsets;
   return person;
 }
+
+/// Whether the caller has said nothing that a new start would lose: who it is, or where landmarks or markers are.
+bool is_free(const TrackerParts& t);
+
+/// Begins a track with the next frame, in the picture of this one, whose time the track that ends has taken. At once where pictures
+/// do not last, or unless is_free. \return whether it was at once.
+bool begin_soon(TrackerParts& t, const FrameView& frame, const NextTrack& next);
+
+/// The first templates of key frame 0 in a row that are in use, count: all that a start has captured.
+std::size_t used_templates(const TrackerParts& t);
+
+/// Centres the crops of the part readers, and notes how this person's parts differ from the model.
+void calibrate_parts(TrackerParts& t, const FrameView& view);
 
 /// Starts the track of a face that was found, with the person as TrackerParts::start_q and FaceDetectionState::person have it.
 /// \return the status of TrackerParts::start.

@@ -27,6 +27,13 @@ float FrameBudget::left_for_searches() const {
   return max(min(all, t.most_of_searches_if_reserved * left()), 0);
 }
 
+void FrameBudget::give_half_to(const WaitingWork& of) {
+  check.is_reserved = key_frame.is_reserved = person.is_reserved = second_look.is_reserved = false;
+  reserved = 0;
+  kind = &of;
+  work.rare += most_reserved();
+}
+
 bool FrameBudget::take_now(const WaitingWork& of, float instructions) {
   if (instructions > left_for(of)) return false;
   kind = &of;

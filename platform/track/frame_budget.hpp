@@ -55,6 +55,8 @@ struct FrameBudget {
   bool is_free_for(const WaitingWork& of) const { return kind == nullptr || kind == &of; }
   /// What is left for a kind of rare work: nothing beside another kind.
   float left_for(const WaitingWork& of) const { return is_free_for(of) ? left() : 0.0f; }
+  /// Rare work that a frame begins with: it takes half of the budget, and other kinds wait.
+  void give_half_to(const WaitingWork& of);
   /// Counts rare work, if there is room for it.
   bool take_now(const WaitingWork& of, float instructions);
   /// The same of work that can wait: what is refused has waited a frame. \param if_overdue  what it takes once it has waited too

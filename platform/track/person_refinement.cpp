@@ -1,6 +1,7 @@
 #include "track/person_refinement.hpp"
 
 #include "base/arrays.hpp"
+#include "estimate/lens_transfer.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/person_estimate.hpp"
 #include "track/person_rows.hpp"
@@ -113,7 +114,7 @@ void gather(TrackerParts& t, std::size_t interval, PersonEquations& equations, A
     if (!is_usable(o) || seen++ % interval != 0) continue;
     const View* const key = o.cue == Cue::patch ? key_of(t, o.id, &slot) : nullptr;
     if (o.cue == Cue::patch && key == nullptr) continue;
-    o.x = t.estimator.lens().undistort(o.x);
+    if (!t.estimator.lens().is_none()) undistort(t.estimator.lens(), {&o, 1});
     s.rows.add(o, t.estimator.point_uv(o.id), t.estimator.point_frame(o.id), key, equations);
   }
   s.rows.add_priors(equations);

@@ -112,7 +112,6 @@ PrintFinder& finder_of(TrackerParts& t) {
 
 Status search(TrackerParts& t, const FrameView& view) {
   PrintDetectionState& self = self_of(t);
-  t.budget = {};
   PrintFinder& finder = finder_of(t);
   const StartOptions& o = self.kept.start;
   const Camera camera = start_camera(o.camera, o.focal_px, view.width, view.height);

@@ -128,11 +128,19 @@ bool realign(TrackerParts& t, const FrameView& frame) {
   tell_worth(t.estimator.view(), face.landmark_error, false, &t.result);
   if (++look.realigned < kTuning.most_frames) return true;
   AlignedFace other;
-  if (is_another(t, frame, detection, &other))
-    detection.begin_anew(t, frame, other);
-  else
-    detection.renew(t, frame, face.landmark_error);
+  const bool is_same = !is_another(t, frame, detection, &other);
+  begin_soon(t, frame, {is_same ? face : other, is_same, frame.time_ns});
   return true;
+}
+
+void resume(TrackerParts& t, const FrameView& frame) {
+  FaceDetectionState& detection = face_detection_of(t);
+  const AlignmentRoom room = detection.face_search.room();
+  AlignedFace face;
+  if (t.markers.count() > 0 || align(t, frame, detection, pose_of(t.estimator.view()), &face) != Status::ok ||
+      !is_right(face) || !(distance_from_track(t, room.landmarks) > kTuning.least_resumed))
+    return;
+  detection.resume_at(t, frame, face, room.q);
 }
 
 }  // namespace pliant

@@ -32,6 +32,9 @@ struct RealignmentTuning {
   /// Realigned frames since the last good one, bad frames between them not counted, after which a new track begins: the light stays
   /// as it is now, or it is another person. A second. With 6 or 12 a new track begins in light that has not settled yet.
   int most_frames = 25;
+  /// A start from a saved state moves to where it is aligned if the landmarks are farther from there than this, fraction of the
+  /// distance of the outer eye corners: what alignments err by (docs/experiments.md, Resumed tracks).
+  float least_resumed = 0.01f;
 };
 inline constexpr RealignmentTuning kRealignmentTuning{};
 
@@ -41,5 +44,9 @@ inline constexpr RealignmentTuning kRealignmentTuning{};
 /// \pre the limits name second looks. \return false: the frame stays bad. Cost: 7.9 million instructions with the defaults,
 /// 20 million where the mean face is aligned, too; where a new track begins a start besides.
 bool realign(TrackerParts& tracker, const FrameView& frame);
+
+/// Ends a start from a saved state: where the face has moved since, the track begins anew at its alignment, as the same person with
+/// the same offsets. Nothing happens if the caller has given places of markers.
+void resume(TrackerParts& tracker, const FrameView& frame);
 
 }  // namespace pliant

@@ -68,9 +68,21 @@ SecondLookState* lay_out(Arena& arena, const Model& model, const TrackerLimits& 
   return create_part<SecondLookState>(arena, model, limits);
 }
 
+/// The rest of a start that was spread: what needs a picture, or all templates.
+void settle(TrackerParts& t, const FrameView& frame) {
+  FaceDetectionState& detection = face_detection_of(t);
+  detection.look->is_captured = false;
+  detection.parts = detection.look->readers;
+  calibrate_parts(t, frame);
+  detection.poor_start.begin(used_templates(t), t.limits.patches, frame, t.estimator);
+}
+
 void begin_track(TrackerParts& t) {
-  const FaceDetectionState& detection = face_detection_of(t);
+  FaceDetectionState& detection = face_detection_of(t);
   SecondLookState& look = *detection.look;
+  if (detection.parts != nullptr) look.readers = detection.parts;
+  detection.parts = t.first_templates > 0 ? nullptr : look.readers;
+  look.is_captured = false;
   if (!detection.person.is_known) {
     look.start_error = detection.landmark_error;
     look.began_turned = !is_frontal(t.estimator.view());
@@ -97,17 +109,13 @@ void begin_look(TrackerParts& t, const FrameView& frame) {
     look.steps_left = 0;
 }
 
-/// Whether the caller has said nothing that a new start would lose: who it is, or where landmarks or markers are.
-bool is_free(const TrackerParts& t) {
-  return !t.given.identity && !t.given.landmarks && t.markers.count() == 0;
-}
-
 bool conclude(TrackerParts& t, const FrameView& frame) {
   if (t.progress.bad_frames > 0) return realign(t, frame);
   FaceDetectionState& detection = face_detection_of(t);
   SecondLookState& look = *detection.look;
   look.realigned = 0;
   look.suspected = {};
+  if (look.is_captured) settle(t, frame);
   if (look.start_error == 0 || !is_free(t)) {
     look.stop(t.budget);  // the caller may have placed landmarks in the middle of it
     return false;
@@ -129,10 +137,7 @@ bool conclude(TrackerParts& t, const FrameView& frame) {
   const int better = status == Status::ok ? count_better(t, face, room.landmarks) : 0;
   look.agreed = better > 0 ? look.agreed + better : 0;
   if (better > 0) look.frames_left = kTuning.wait_if_better;
-  if (look.agreed >= kTuning.looks) {
-    detection.begin_anew(t, frame, face);
-    return true;
-  }
+  if (look.agreed >= kTuning.looks) return begin_soon(t, frame, {face, false, frame.time_ns});
   if (status == Status::ok && better == 0) average_landmarks(t, face, room.landmarks);
   return false;
 }
@@ -143,6 +148,6 @@ bool is_over(const TrackerParts& t) {
 
 }  // namespace
 
-const SecondLook kSecondLook{lay_out, begin_track, conclude, is_over};
+const SecondLook kSecondLook{lay_out, begin_track, conclude, resume, is_over};
 
 }  // namespace pliant

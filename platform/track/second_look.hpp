@@ -5,12 +5,14 @@
 #include <cstdint>
 
 #include "pliant/arena.hpp"
+#include "pliant/face_aligner.hpp"
 #include "pliant/tracker_limits.hpp"
 #include "track/face_modules.hpp"
 
 namespace pliant {
 
 struct FrameBudget;
+struct PartPoints;
 struct TrackerParts;
 
 /// Tuning of second looks. Each constant: unit, reason, experiment (docs/experiments.md, Covered starts).
@@ -50,6 +52,13 @@ struct SecondLookTuning {
 };
 inline constexpr SecondLookTuning kSecondLookTuning{};
 
+/// A track that is to begin where an alignment during another one has the face.
+struct NextTrack {
+  AlignedFace face;
+  bool is_same_person = false;  // it begins where the track is
+  std::int64_t time_ns = 0;     // of the frame
+};
+
 /// What a tracker keeps for its second looks. In the arena, if the limits name them.
 struct SecondLookState {
   const FaceModules* modules = nullptr;
@@ -63,6 +72,10 @@ struct SecondLookState {
   int averaged = 0;                         // looks in the mean of the landmarks, beside the start
   int realigned = 0;                        // frames since the last good one that `realign` has made good
   FaceBox suspected;  // where `realign` goes on after the bad frame before; side 0: at the last good place
+  NextTrack next;     // which the next frame begins
+  PartPoints* readers =
+      nullptr;  // FaceDetectionState::parts, which is null until a new track has all its templates
+  bool is_captured = false;  // it has got them: the readers begin in the next good frame
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
   /// Drops the alignment that is under way, and what the budget keeps for it.
@@ -81,6 +94,8 @@ struct SecondLook {
   /// \return true: nothing else is to be done in this frame, since the bad one is tracked after all, or a new track has begun, or
   /// has failed to.
   bool (*conclude)(TrackerParts& tracker, const FrameView& frame);
+  /// Ends a start from a saved state (realignment.hpp).
+  void (*resume)(TrackerParts& tracker, const FrameView& frame);
   /// Whether a bad frame that was not tracked after all comes after a cut (KeyFrames::is_after_cut): the track is over.
   bool (*is_over)(const TrackerParts& tracker);
 };

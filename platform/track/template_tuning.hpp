@@ -137,6 +137,9 @@ struct TemplatePlacementTuning {
   float least_ratio = 0.02f;
   /// Smaller eigenvalue of a corner, at least, (grey/px)^2. As above.
   float least_score = 1;
+  /// Fraction of the templates that a start captures whose work is spread over frames, as a divisor. The others follow in the
+  /// next frame (docs/experiments.md, Budget).
+  int start_divisor = 4;
 };
 inline constexpr TemplatePlacementTuning kTemplatePlacementTuning{};
 

@@ -127,6 +127,8 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
   if (status != Status::ok) return status;
   if (t.order.is_stale(frame)) return Status::stale_frame;
   const FrameView& quiet = t.quiet(frame);
+  t.budget.begin(t.progress.bad_frames == 0);
+  if (t.progress.rest != nullptr) t.progress.rest(t, quiet);
   status = t.is_started ? t.track(quiet) : t.detection->calls->search(t, quiet);
   if (status != Status::ok) return status;
   t.order.note(frame);
@@ -139,8 +141,6 @@ const FrameView& TrackerParts::quiet(const FrameView& view) {
 }
 
 Status TrackerParts::track(const FrameView& view) {
-  budget.begin(progress.bad_frames == 0);
-  if (progress.edges_wait) start_edges();
   const Status status = predict(view);
   if (status != Status::ok) return status;
   match_and_solve(view);

@@ -49,13 +49,17 @@ struct GivenByCaller {
   bool landmarks = false;  // by place_landmarks
 };
 
+struct TrackerParts;
+
 /// How far a track is.
 struct TrackProgress {
   std::uint32_t frame = 0;      // 0 at the start
   std::uint32_t last_kept = 0;  // frame that became a key frame
   int bad_frames = 0;           // in a row
   bool uses_edges = false;
-  bool edges_wait = false;  // for the next frame, to start
+  /// What a start has left to the next frame, which does it first, in the picture of the frame before. May end the track, and
+  /// sets what is left then. Null: nothing.
+  void (*rest)(TrackerParts& tracker, const FrameView& frame) = nullptr;
 };
 
 /// As of Tracker.
@@ -92,6 +96,9 @@ struct TrackerParts : ImageParts {
   FrameOrder order;
   TrackNumbers numbers;
   TrackProgress progress;
+  /// Templates of a start in the picture that the region has already; the others are left to the next frames. 0: all, in a new
+  /// picture.
+  std::uint16_t first_templates = 0;
   bool is_started = false, smooths = false;
   GivenByCaller given;
   bool keeps_landmark_offsets = true;  // as TrackerOptions
@@ -122,9 +129,6 @@ struct TrackerParts : ImageParts {
   Status start(const FrameView& frame, const StartPose& from, const TrackerOptions& with,
                Span<const Vec2> marker_places);
   Status capture_frame_0(const FrameView& view, Span<const Vec2> marker_places, float marker_exclusion_px);
-
-  /// In the image of frame 0. \return how many edge points will be matched.
-  std::size_t start_edges();
 
   void limit_searches();
   void limit_solves();

@@ -2,6 +2,7 @@
 #include "base/arrays.hpp"
 #include "estimate/track_monitor.hpp"
 #include "track/landmark_fit.hpp"
+#include "track/second_look.hpp"
 #include "track/template_tuning.hpp"
 #include "track/tracker_parts.hpp"
 #include "track/tracker_sizes.hpp"
@@ -71,6 +72,7 @@ bool TrackerParts::fits_model(const SavedState& state) const {
 
 void TrackerParts::end_track() {
   is_started = false;
+  progress.rest = nullptr;
   result = {};
   result.is_searching = detection != nullptr;
 }
@@ -149,17 +151,15 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const T
   return Status::ok;
 }
 
-std::size_t TrackerParts::start_edges() {
-  progress.edges_wait = false;
-  return (edges->*limits.edges->start)(estimator, region);
-}
-
 /// Templates, edges and thumbnail of frame 0.
 Status TrackerParts::capture_frame_0(const FrameView& view, Span<const Vec2> marker_places,
                                      float marker_exclusion_px) {
-  Status status = region.build(view, region.is_whole_frame() ? Vec2{} : key_frames.middle_of(estimator));
-  if (status != Status::ok) return status;
-  key_frames.take(view);
+  Status status = Status::ok;
+  if (first_templates == 0) {
+    status = region.build(view, region.is_whole_frame() ? Vec2{} : key_frames.middle_of(estimator));
+    if (status != Status::ok) return status;
+    key_frames.take(view);
+  }
   texture.note_all(estimator, region);
   estimator.begin(view.time_ns);
   status = markers.place(estimator, marker_places, marker_exclusion_px);
@@ -168,15 +168,13 @@ Status TrackerParts::capture_frame_0(const FrameView& view, Span<const Vec2> mar
   if (detection != nullptr && detection->is_own_start()) detection->restore_markers(*this);
   templates.clear();
   key_frames.clear();
-  placement.place(templates, estimator, region, markers, 0, limits.patches);
+  placement.place(templates, estimator, region, markers, 0,
+                  first_templates > 0 ? first_templates : limits.patches);
   std::uint16_t captured = 0;
   for (std::size_t k = 0; k < limits.patches; ++k)
     captured = static_cast<std::uint16_t>(captured + templates[k].is_used);
   std::size_t points = captured;
-  // A start is the longest frame. Edges are not needed before the next one, and its picture is kept until then.
-  progress.edges_wait =
-      progress.uses_edges && limits.keeps_previous && points >= kTrackMonitorTuning.least_inliers;
-  if (progress.uses_edges && !progress.edges_wait) points += start_edges();
+  if (progress.uses_edges) points += limits.edges->start(*this, captured);
   if (captured < kTrackerTuning.least_templates || points < kTrackMonitorTuning.least_inliers)
     return Status::too_few_points;
   result = {TrackState::tracking,
@@ -286,9 +284,13 @@ Status Tracker::start_from_state(const FrameView& frame, const SavedState& state
     if (!is_finite(offset)) return Status::bad_argument;
   const Status status =
       start_from_pose(frame, state.camera, state.pose, state.parameters.data, options, markers);
-  if (status == Status::ok && options.keeps_landmark_offsets && !state.landmark_offsets.empty())
+  if (status != Status::ok) return status;
+  if (options.keeps_landmark_offsets && !state.landmark_offsets.empty())
     impl_->offsets.set(state.landmark_offsets);
-  return status;
+  const bool is_face = impl_->detection != nullptr && impl_->limits.detection->modules != nullptr;
+  if (impl_->limits.second_look != nullptr && is_face && is_started())
+    impl_->limits.second_look->resume(*impl_, impl_->quiet(frame));
+  return Status::ok;
 }
 
 Status Tracker::save(SavedState* state) const {

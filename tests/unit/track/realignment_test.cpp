@@ -213,7 +213,8 @@ TEST_CASE("where the templates stay away a new track begins, of the same person,
   InArena<Tracker> tracker(baked_face().model, limits_with_looks());
   const Run changed = run(tracker.object, film);
   CHECK(changed.tracking == kChanged);
-  CHECK(changed.new_track == kChange + static_cast<std::size_t>(kRealignmentTuning.most_frames) - 1);
+  // It begins in the next frame with a part of its templates, and has all in the one after that.
+  CHECK(changed.new_track == kChange + static_cast<std::size_t>(kRealignmentTuning.most_frames) + 1);
   CHECK(changed.matched == static_cast<int>(kFrames - changed.new_track));
   CHECK(fake.searches == 1);
   float width;

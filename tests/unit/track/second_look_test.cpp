@@ -8,6 +8,7 @@
 
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
+#include "track/template_tuning.hpp"
 
 namespace second_look_test {
 
@@ -66,6 +67,16 @@ Run run(const FaceFilm& of, const TrackerLimits& limits) {
   return result;
 }
 
+/// The first frame of the second track of a film whose face is covered at first.
+std::size_t frame_of_second_track(const TrackerLimits& limits) {
+  InArena<Tracker> tracker(baked_face().model, limits);
+  for (std::size_t k = 0; k < kFrames; ++k) {
+    update(tracker.object, film(), k);
+    if (tracker->track_number() == 2) return k;
+  }
+  return kFrames;
+}
+
 }  // namespace
 
 TEST_CASE("a track that began with a covered mouth begins anew once it is seen, and no frame is lost") {
@@ -79,6 +90,54 @@ TEST_CASE("a track that began with a covered mouth begins anew once it is seen, 
   const Run plain = run(film(), limits_with_fake());
   CHECK(plain.starts == 1);
   CHECK(plain.error > 6);
+}
+
+TEST_CASE("the work of a track that begins anew is shared by three frames, where pictures last") {
+  FakeFaces fake(film());
+  fake.covered_frames = 10;
+  TrackerLimits limits = limits_with_looks();
+  const std::size_t begin = frame_of_second_track(limits);
+  REQUIRE(begin + 4 < kFrames);
+  {
+    InArena<Tracker> tracker(baked_face().model, limits);
+    std::vector<FrameResult> frames;
+    for (std::size_t k = 0; k < begin + 4; ++k) frames.push_back(update(tracker.object, film(), k));
+    for (const FrameResult& frame : frames) CHECK(frame.state == TrackState::tracking);
+    const int all = frames[begin - 1].tracked;
+    CHECK(frames[begin].tracked <= limits.patches / kTemplatePlacementTuning.start_divisor);
+    CHECK(frames[begin + 1].tracked > 2 * frames[begin].tracked);
+    CHECK(frames[begin + 2].tracked > frames[begin + 1].tracked);  // edges
+    CHECK(frames[begin + 3].tracked > 0.8f * static_cast<float>(all));
+  }
+  limits.keeps_previous = false;
+  CHECK(frame_of_second_track(limits) == begin - 1);
+}
+
+TEST_CASE("what the caller does before a new track has begun comes first") {
+  FakeFaces fake(film());
+  fake.covered_frames = 10;
+  const std::size_t begin = frame_of_second_track(limits_with_looks());
+  REQUIRE(begin < kFrames);
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  for (std::size_t k = 0; k < begin; ++k) update(tracker.object, film(), k);
+  const FaceFilm& f = film();
+  std::uint32_t tracks = 1;
+  SUBCASE("it places a landmark") {
+    const NamedPoint point{"ibug30", f.truth("ibug30", begin - 1)};
+    REQUIRE(tracker->place_landmarks({&point, 1}) == Status::ok);
+  }
+  SUBCASE("it starts a track") {
+    REQUIRE(tracker->start_from_pose(f.view(begin - 1), f.camera, f.poses[begin - 1],
+                                     f.parameters[begin - 1].data()) == Status::ok);
+    tracks = 2;
+  }
+  SUBCASE("it lets the tracker search") {
+    REQUIRE(tracker->start_by_detection({}) == Status::ok);
+    tracks = 2;
+  }
+  update(tracker.object, f, begin);
+  CHECK(tracker->track_number() == tracks);
+  CHECK(update(tracker.object, f, begin + 1).state == TrackState::tracking);
 }
 
 TEST_CASE("a second alignment that is not better changes nothing") {
