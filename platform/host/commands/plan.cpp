@@ -47,7 +47,7 @@ struct Instructions {
   double strip_column = 23000;  ///< of the frame: rows above the one where the search goes on
   double turned_pixel = 50;
   double alignment_step = 1.8e6, alignment_end = 1.1e6;
-  double personal_sample = 22;  ///< of one field at one sample of the person's
+  double personal_sample = 9.5;  ///< of one field at one sample of the person's
   double adapted_vertex = 60000;
   double captured_record = 400;  ///< of a template of frame 0
   double curve_point = 60000;    ///< a new one
@@ -313,20 +313,43 @@ void add_search_loads(const SearchPlan& plan, double width, Loads& loads) {
 
 constexpr const char* kPointsOfCurves = "points of curves";
 
-/// The start of a track, besides.
-void add_start_loads(const Sizes& s, const TrackerLimits& limits, bool adapts, Loads& loads) {
+void add_templates(const Sizes& s, double templates, Loads& loads) {
+  loads.push_back({"pixels searched for corners", s.region_pixels, s.region_pixels,
+                   static_cast<double>(kTrackerTuning.corner_pixel)});
+  loads.push_back(
+      {"templates captured", 2 * templates, 3 * templates, kCost.captured_record * s.all_records});
+}
+
+void add_personal_field(const Sizes& s, const TrackerLimits& limits, Loads& loads) {
   const double samples = static_cast<double>(limits.personal_field.width) * limits.personal_field.height;
-  const double from_tables =
-      s.all_records * (limits.samples_vertices ? kCost.vertex_record : kCost.table_record);
   if (samples > 0)
     loads.push_back(
         {"samples of the person's field", samples, samples, kCost.personal_sample * s.identities});
+}
+
+/// A start that is spread over frames (docs/algorithms.md, section 9.2). Its vertices are those of a frame.
+void add_anew_loads(const Model& model, const Sizes& s, const TrackerLimits& limits, Loads (&loads)[2]) {
+  const int first = limits.patches / kTemplatePlacementTuning.start_divisor;
+  add_personal_field(s, limits, loads[0]);
+  add_templates(s, first, loads[0]);
+  if (renewal_work(limits, s) > 0)
+    loads[0].push_back({"vertices sampled again", static_cast<double>(renewed_vertices(limits.vertices)),
+                        static_cast<double>(renewed_vertices(limits.vertices)),
+                        kCost.sampled_record * s.all_records});
+  add_templates(s, limits.patches - first, loads[1]);
+  const double readings = kPartFitTuning.start_centrings + 1;
+  if (!model.parts().empty())
+    loads[1].push_back({"readings of the parts of a face", readings, readings, kCost.parts});
+}
+
+/// The start of a track, besides.
+void add_start_loads(const Sizes& s, const TrackerLimits& limits, bool adapts, Loads& loads) {
+  const double from_tables =
+      s.all_records * (limits.samples_vertices ? kCost.vertex_record : kCost.table_record);
+  add_personal_field(s, limits, loads);
   loads.push_back({"vertices of the mesh", 0.7 * limits.vertices, static_cast<double>(limits.vertices),
                    adapts ? kCost.adapted_vertex : 2 * from_tables});
-  loads.push_back({"pixels searched for corners", s.region_pixels, s.region_pixels,
-                   static_cast<double>(kTrackerTuning.corner_pixel)});
-  loads.push_back({"templates captured", 2.0 * limits.patches, 3.0 * limits.patches,
-                   kCost.captured_record * s.all_records});
+  add_templates(s, limits.patches, loads);
   // With a few templates a start needs its edges at once.
   loads.push_back({kPointsOfCurves, limits.keeps_previous ? 0 : s.edges, s.edges, kCost.curve_point});
 }
@@ -379,7 +402,10 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   if (limits.detection != nullptr && !model.detector().empty() &&
       AlignerTable::open(model.aligner(), &table) == Status::ok) {
     add_face_loads(model, table, limits, sizes, plan.loads);
-    if (limits.second_look != nullptr) add_alignment_loads(table, limits, sizes, plan.alignment_loads);
+    if (limits.second_look != nullptr) {
+      add_alignment_loads(table, limits, sizes, plan.alignment_loads);
+      if (limits.keeps_previous) add_anew_loads(model, sizes, limits, plan.anew_loads);
+    }
     plan.search = search_plan(table, limits);
     add_search_loads(plan.search, limits.width, plan.search_loads);
     plan.start_loads = plan.search.does_both ? plan.search_loads

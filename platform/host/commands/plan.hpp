@@ -28,15 +28,18 @@ struct Plan {
   std::size_t bytes[kPurposeCount] = {};  ///< by Purpose
   std::size_t arena_bytes = 0;            ///< their sum: what create_in takes
   std::size_t free_parameters = 0;
-  int most_iterations = 0;         ///< Gauss-Newton steps of a frame, at most; as FrameResult counts them
-  std::vector<Load> loads;         ///< of a frame with a track
+  int most_iterations = 0;            ///< Gauss-Newton steps of a frame, at most; as FrameResult counts them
+  std::vector<Load> loads;            ///< of a frame with a track
   std::vector<Load> alignment_loads;  ///< of a frame with a track whose templates fail, besides
   std::vector<Load> edge_loads;       ///< of the first frame after a start, besides
+  /// Of the first two of the frames that share the start of a track which begins while another one ends, besides.
+  std::vector<Load> anew_loads[2];
   std::vector<Load> search_loads;  ///< of a frame that searches for a face or a print
   std::vector<Load>
       start_loads;  ///< of a frame in which a track starts; with what it has searched before, where it does both
   SearchPlan search;
-  int print_search_frames = 0;  ///< frames of a search for the model's print, at most; 0: none is searched for
+  int print_search_frames =
+      0;  ///< frames of a search for the model's print, at most; 0: none is searched for
 };
 
 /// Sums, instructions of x86-64.

@@ -125,6 +125,8 @@ void print_sums(std::ostream& out, const Plan& plan, double mhz) {
   };
   print_with("whose templates fail", plan.alignment_loads);
   print_with("the first after a start", plan.edge_loads);
+  print_with("if another track begins", plan.anew_loads[0]);
+  print_with("the one after that", plan.anew_loads[1]);
   print_sum(out, "a frame without", plan.search_loads, mhz);
   print_sum(out, "a frame that starts a track", plan.start_loads, mhz);
 }
@@ -179,6 +181,8 @@ int run_plan(const Args& args, Console& console) {
   print_loads(console.out, "a frame", plan.loads);
   print_loads(console.out, "besides, if its templates fail", plan.alignment_loads);
   print_loads(console.out, "besides, in the first after a start", plan.edge_loads);
+  print_loads(console.out, "besides, if another track begins", plan.anew_loads[0]);
+  print_loads(console.out, "besides, in the one after that", plan.anew_loads[1]);
   print_loads(console.out, "a frame without a track", plan.search_loads);
   print_loads(console.out, "a frame that starts a track", plan.start_loads);
   print_sums(console.out, plan, mhz);

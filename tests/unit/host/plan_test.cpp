@@ -265,6 +265,28 @@ TEST_CASE("edges are work of the frame after a start where the frame before is k
 }
 
 TEST_CASE(
+    "two frames share the templates of a track that begins while another one ends, where pictures last") {
+  const auto most = [](const std::vector<Load>& loads, const char* what) {
+    double sum = 0;
+    for (const Load& load : loads)
+      if (load.what == std::string(what)) sum += load.most;
+    return sum;
+  };
+  constexpr const char* kTemplates = "templates captured";
+  const host::ModelFile file{PLIANT_DETECTING_FACE};
+  const Model& model = file.model();
+  const Plan plan = make_plan(model, {});
+  const double first = most(plan.anew_loads[0], kTemplates), second = most(plan.anew_loads[1], kTemplates);
+  CHECK(first > 0);
+  CHECK(second > first);
+  CHECK(first + second == most(plan.start_loads, kTemplates));
+  TrackerLimits limits;
+  limits.keeps_previous = false;
+  CHECK(make_plan(model, limits).anew_loads[0].empty());
+  CHECK(make_plan(model, profile_s()).anew_loads[0].empty());
+}
+
+TEST_CASE(
     "the plan of a printed sheet has its checks, its search and its springs, and bounds what a track "
     "counts") {
   const TrackerLimits limits;
