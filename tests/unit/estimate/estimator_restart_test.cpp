@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "estimate/visible_surface.hpp"
 #include "estimator_scene.hpp"
 
 namespace estimator_restart_test {
