@@ -1,8 +1,11 @@
 // Starts from a saved state where the face has moved since. Detection and alignment are a fake that knows the truth.
 #include <doctest/doctest.h>
 
+#include <vector>
+
 #include "fake_faces.hpp"
-#include "pliant/tracker_profiles.hpp"
+#include "model_builder.hpp"
+#include "track/second_look.hpp"
 
 namespace resume_test {
 
