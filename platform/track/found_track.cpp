@@ -4,7 +4,7 @@
 
 #include "base/arrays.hpp"
 #include "track/second_look.hpp"
-#include "track/template_tuning.hpp"
+#include "track/tracker_sizes.hpp"
 
 namespace pliant {
 
@@ -30,8 +30,7 @@ void capture_others(TrackerParts& t, const FrameView&) {
 /// Starts with a part of the templates, in the picture that the region has, if that lasts.
 template <class Start>
 void spread(TrackerParts& t, Start&& start) {
-  if (t.limits.keeps_previous)
-    t.first_templates = static_cast<std::uint16_t>(t.limits.patches / kTemplatePlacementTuning.start_divisor);
+  if (t.limits.keeps_previous) t.first_templates = first_templates(t.limits);
   const bool is_spread = t.first_templates > 0;
   if (t.edges != nullptr) t.edges->forget();
   (void)start();  // a track that cannot begin is lost

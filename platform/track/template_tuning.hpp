@@ -137,9 +137,10 @@ struct TemplatePlacementTuning {
   float least_ratio = 0.02f;
   /// Smaller eigenvalue of a corner, at least, (grey/px)^2. As above.
   float least_score = 1;
-  /// Fraction of the templates that a start captures whose work is spread over frames, as a divisor. The others follow in the
-  /// next frame (docs/experiments.md, Budget).
-  int start_divisor = 4;
+  /// Fraction of the templates that a start captures whose work is spread over frames, as a divisor; and how many it captures at
+  /// least, count, enough for a track where half of them are hidden. The others follow in the next frame (docs/experiments.md,
+  /// Budget).
+  std::uint16_t start_divisor = 4, least_at_start = 24;
 };
 inline constexpr TemplatePlacementTuning kTemplatePlacementTuning{};
 

@@ -2,6 +2,7 @@
 // What follows from a tracker's limits.
 #include <cstddef>
 
+#include "base/integers.hpp"
 #include "estimate/stretch_rows.hpp"
 #include "pliant/frame_work.hpp"
 #include "pliant/tracker_limits.hpp"
@@ -37,6 +38,12 @@ constexpr float scaled_px(const TrackerLimits& limits, float px) {
   return scaled_px(limits.width, px);
 }
 
+/// Templates that a start captures at once, if it is spread over frames.
+constexpr std::uint16_t first_templates(const TrackerLimits& limits) {
+  const TemplatePlacementTuning& t = kTemplatePlacementTuning;
+  const int part = larger(limits.patches / t.start_divisor, t.least_at_start);
+  return static_cast<std::uint16_t>(smaller(part, limits.patches));
+}
 /// First slot of key frame k; that of k + 1 ends it. Frame 0 is key frame 0.
 constexpr std::size_t first_slot(const TrackerLimits& limits, std::size_t k) {
   if (k == 0) return 0;

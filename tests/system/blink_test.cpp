@@ -7,6 +7,7 @@
 #include "host/io/files.hpp"
 #include "host/io/owned.hpp"
 #include "pliant/tracker.hpp"
+#include "random.hpp"
 
 namespace blink_test {
 
@@ -138,6 +139,25 @@ TEST_CASE(
     CHECK(result.gaze.y > (closing(k) > 0 ? -0.35f : -0.2f));
   }
   CHECK(seen >= 32);
+}
+
+TEST_CASE("no gaze is told where a start shows no face") {
+  std::vector<std::uint8_t> picture(320 * 240);
+  Random random(3);
+  std::uint8_t before = 128;
+  for (std::uint8_t& grey : picture)  // texture enough for templates
+    before = grey = static_cast<std::uint8_t>(0.7f * before + random.uniform(0, 76));
+  FrameView frame;
+  frame.data = picture.data();
+  frame.width = 320;
+  frame.height = 240;
+  frame.stride_bytes = 320;
+  for (const Vec2 corner : {Vec2{110, 60}, {150, 80}, {60, 90}}) {
+    host::Owned<Tracker> tracker(face().model(), TrackerLimits{});
+    (void)tracker->start_from_box(frame, corner, {100, 120});
+    CHECK(tracker->result().state != TrackState::tracking);
+    CHECK(length(tracker->result().gaze) == 0);
+  }
 }
 
 }  // namespace blink_test

@@ -329,7 +329,7 @@ void add_personal_field(const Sizes& s, const TrackerLimits& limits, Loads& load
 
 /// A start that is spread over frames (docs/algorithms.md, section 9.2). Its vertices are those of a frame.
 void add_anew_loads(const Model& model, const Sizes& s, const TrackerLimits& limits, Loads (&loads)[2]) {
-  const int first = limits.patches / kTemplatePlacementTuning.start_divisor;
+  const int first = first_templates(limits);
   add_personal_field(s, limits, loads[0]);
   add_templates(s, first, loads[0]);
   if (renewal_work(limits, s) > 0)

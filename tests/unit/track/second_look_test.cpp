@@ -113,6 +113,20 @@ TEST_CASE("the work of a track that begins anew is shared by three frames, where
   CHECK(frame_of_second_track(limits) == begin - 1);
 }
 
+TEST_CASE("a track of few templates begins anew, too") {
+  FakeFaces fake(film());
+  fake.covered_frames = 10;
+  TrackerLimits limits = limits_with_looks();
+  limits.patches = 20;
+  limits.edges = nullptr;
+  const std::size_t begin = frame_of_second_track(limits);
+  REQUIRE(begin < kFrames);
+  InArena<Tracker> tracker(baked_face().model, limits);
+  for (std::size_t k = 0; k < kFrames; ++k)
+    CHECK(update(tracker.object, film(), k).state == TrackState::tracking);
+  CHECK(tracker->track_number() == 2);
+}
+
 TEST_CASE("what the caller does before a new track has begun comes first") {
   FakeFaces fake(film());
   fake.covered_frames = 10;
