@@ -13,6 +13,7 @@ namespace pliant {
 
 struct DetectionCalls;
 struct FaceModules;
+struct SecondLookState;
 struct TrackerParts;
 
 /// What a tracker keeps for starts of its own: the common part. In the arena, if the limits name a detection
@@ -23,6 +24,7 @@ struct DetectionState {
   const StartOptions* of_caller = nullptr;  // while the caller starts
   MarkerPlace* markers = nullptr;           // of a track that ended, for the next one of the same surface
   std::size_t marker_count = 0;
+  SecondLookState* look = nullptr;  // of faces; null: the limits name no second looks
   void (*restore_markers)(TrackerParts& tracker) = nullptr;  // while the tracker starts by itself; else null
 
   bool is_own_start() const { return restore_markers != nullptr; }

@@ -9,14 +9,11 @@
 
 namespace pliant {
 
-struct SecondLookState;
-
 struct FaceDetectionState : DetectionState {
   FaceSearch face_search;
   FaceChecks checks;
   PoorStart poor_start;
   KnownPerson person;
-  SecondLookState* look = nullptr;  // null: the limits name none
   PartPoints* parts = nullptr;      // null: the model has no readers
   std::int64_t last_read_ns = 0;    // time of the frame that was read last, or of the start
   float landmark_error = 0;         // of the last start, as the alignment estimates it; 0: unknown

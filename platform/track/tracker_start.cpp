@@ -287,8 +287,7 @@ Status Tracker::start_from_state(const FrameView& frame, const SavedState& state
   if (status != Status::ok) return status;
   if (options.keeps_landmark_offsets && !state.landmark_offsets.empty())
     impl_->offsets.set(state.landmark_offsets);
-  const bool is_face = impl_->detection != nullptr && impl_->limits.detection->modules != nullptr;
-  if (impl_->limits.second_look == nullptr || !is_face || !is_started()) return Status::ok;
+  if (!is_started() || impl_->detection == nullptr || impl_->detection->look == nullptr) return Status::ok;
   impl_->limits.second_look->resume(*impl_, impl_->quiet(frame));
   return is_started() ? Status::ok : Status::too_few_points;
 }
