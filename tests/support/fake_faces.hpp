@@ -230,6 +230,13 @@ inline pliant::TrackerLimits limits_with_fake() {
   return l;
 }
 
+/// The same with second looks.
+inline pliant::TrackerLimits limits_with_looks() {
+  pliant::TrackerLimits l = limits_with_fake();
+  l.second_look = &pliant::kSecondLook;
+  return l;
+}
+
 /// The result of frame k of a film.
 inline pliant::FrameResult update(pliant::Tracker& tracker, const FaceFilm& film, std::size_t k) {
   pliant::FrameResult result;

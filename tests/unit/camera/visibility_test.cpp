@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <limits>
+#include <utility>
 
 #include "model_builder.hpp"
 #include "random.hpp"
@@ -104,7 +105,10 @@ TEST_CASE("faces much smaller and larger than a cell leave none of the cells bet
   }
 }
 
-TEST_CASE("faces with a vertex behind the camera are not drawn, whatever the image of the vertex") {
+TEST_CASE(
+    "faces with a vertex behind the camera are not drawn, whatever its image, nor those with one that is no "
+    "number, as products of "
+    "large matrices make it") {
   ModelBuilder b;
   b.grid_mesh(4);
   InArena<Mesh> mesh(MeshLimits{});
@@ -112,31 +116,19 @@ TEST_CASE("faces with a vertex behind the camera are not drawn, whatever the ima
   std::vector<Vec2> image;
   for (Vec2 uv : b.vertices) image.push_back({50 + 100 * uv.x, 20 + 80 * uv.y});
   std::vector<float> depth(image.size(), 500.0f);
-  for (const float anywhere : {0.0f, 1e30f, std::numeric_limits<float>::quiet_NaN()}) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN(),
+                  kFar = std::numeric_limits<float>::infinity();
+  for (const auto& [anywhere, depth_there] :
+       {std::pair{0.0f, -1.0f}, {1e30f, -1.0f}, {kNone, -1.0f}, {kNone, kFar}}) {
+    CAPTURE(anywhere);
+    CAPTURE(depth_there);
     image[0] = {anywhere, -anywhere};
-    depth[0] = -1;
+    depth[0] = depth_there;
     InArena<DepthBuffer> buffer(16, 16);
     buffer->draw(mesh.object, image.data(), depth.data());
     CHECK_FALSE(buffer->hides({55, 25}, 900, 5));
     CHECK(buffer->hides({120, 80}, 900, 5));
   }
-}
-
-TEST_CASE("a vertex whose position is no number, as products of large matrices make it, hides nothing") {
-  ModelBuilder b;
-  b.grid_mesh(4);
-  InArena<Mesh> mesh(MeshLimits{});
-  set_base(mesh.object, b);
-  std::vector<Vec2> image;
-  for (Vec2 uv : b.vertices) image.push_back({50 + 100 * uv.x, 20 + 80 * uv.y});
-  std::vector<float> depth(image.size(), 500.0f);
-  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  image[0] = {kNone, kNone};
-  depth[0] = std::numeric_limits<float>::infinity();
-  InArena<DepthBuffer> buffer(16, 16);
-  buffer->draw(mesh.object, image.data(), depth.data());
-  CHECK_FALSE(buffer->hides({55, 25}, 900, 5));
-  CHECK(buffer->hides({120, 80}, 900, 5));
 }
 
 TEST_CASE("a mesh behind the camera is not drawn") {

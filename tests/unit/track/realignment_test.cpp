@@ -39,12 +39,6 @@ const FaceFilm& changed_film() {
   return *made;
 }
 
-TrackerLimits limits_with_looks() {
-  TrackerLimits limits = limits_with_fake();
-  limits.second_look = &kSecondLook;
-  return limits;
-}
-
 /// What a tracker that starts by itself makes of a film.
 struct Run {
   int tracking = 0;           // frames from kChange on

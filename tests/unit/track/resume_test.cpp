@@ -27,12 +27,6 @@ const FaceFilm& film() {
   return *made;
 }
 
-TrackerLimits limits_with_looks() {
-  TrackerLimits limits = limits_with_fake();
-  limits.second_look = &kSecondLook;
-  return limits;
-}
-
 struct Saved {
   std::vector<float> q;
   std::vector<Vec3> offsets;

@@ -31,12 +31,6 @@ const FaceFilm& film(float first = 0, float last = 0, std::size_t frames = kFram
   return films.at(key);
 }
 
-TrackerLimits limits_with_looks() {
-  TrackerLimits limits = limits_with_fake();
-  limits.second_look = &kSecondLook;
-  return limits;
-}
-
 /// How far below its truth the middle of the lower lip is, px.
 float mouth_error(Tracker& tracker, const FaceFilm& of, std::size_t k) {
   Vec2 x;
