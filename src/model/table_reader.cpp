@@ -20,7 +20,6 @@ static_assert(sizeof(Parameter) == 44 && sizeof(Field) == 52 && sizeof(CascadeRe
 static_assert(sizeof(Landmark) == 36 && sizeof(Curve) == 40 && sizeof(Vec2) == 8, "file format");
 
 // Limits of the format, besides those of the header.
-constexpr std::size_t kMaxRecordCount = 320;
 constexpr std::size_t kMaxSections = 64;
 constexpr std::size_t kMaxSide = 4096;  // samples or pixels
 /// No sample, limit, pivot or matrix element is larger, in its unit (mm for positions: a kilometre). Samples and their sums then
@@ -188,7 +187,7 @@ struct TableReader {
 
   bool check_cascade() const {
     const std::size_t n = contents.cascade.count;
-    if (n < 1 || n > kMaxRecordCount) return false;
+    if (n < 1 || n > table::kMaxRecords) return false;
     for (std::size_t i = 0; i < n; ++i)
       if (!check_record(i)) return false;
     return true;

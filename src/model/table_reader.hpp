@@ -5,8 +5,9 @@
 namespace pliant {
 
 namespace table {
-/// Most parameters and landmarks of a table. Such counts bound the memory and time of every object that a model gives its size to.
-constexpr std::size_t kMaxParameters = 192, kMaxLandmarks = 4096;
+/// Most parameters, landmarks and records of a table. Such counts bound the memory and time of every object that a model gives its
+/// size to.
+constexpr std::size_t kMaxParameters = 192, kMaxLandmarks = 4096, kMaxRecords = 320;
 }  // namespace table
 
 /// Fills `contents` with pointers into the table at `data`.

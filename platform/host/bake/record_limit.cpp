@@ -21,12 +21,12 @@ double size_of(const Source& source, const SourceShape& correction) {
 }  // namespace
 
 void leave_out_corrections(Source& source) {
-  if (source.shapes.size() < kMostRecords) return;
+  if (source.shapes.size() <= kMostShapes) return;
   std::vector<std::pair<double, std::size_t>> corrections;  // size, and index among the shapes
   for (std::size_t k = 0; k < source.shapes.size(); ++k)
     if (source.shapes[k].second >= 0) corrections.push_back({size_of(source, source.shapes[k]), k});
   std::sort(corrections.begin(), corrections.end());
-  const std::size_t count = std::min(corrections.size(), source.shapes.size() + 1 - kMostRecords);
+  const std::size_t count = std::min(corrections.size(), source.shapes.size() - kMostShapes);
   if (count == 0) return;
   std::vector<char> is_left_out(source.shapes.size(), 0);
   for (std::size_t k = 0; k < count; ++k) is_left_out[corrections[k].second] = 1;
@@ -42,7 +42,7 @@ void leave_out_corrections(Source& source) {
   source.shapes = std::move(kept);
   source.warnings.push_back(
       "left out the " + std::to_string(count) + " smallest of " + std::to_string(corrections.size()) +
-      " corrective shapes of the bending modes: a table holds " + std::to_string(kMostRecords - 1) +
+      " corrective shapes of the bending modes: a table holds " + std::to_string(kMostShapes) +
       " shapes. Fewer --modes or a larger --stiffness need fewer");
 }
 

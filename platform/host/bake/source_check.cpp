@@ -49,9 +49,9 @@ void check_source(const Source& source, const std::string& file) {
   if (source.parameters.size() > table::kMaxParameters)
     fail("has " + std::to_string(source.parameters.size()) + " parameters, more than " +
          std::to_string(table::kMaxParameters) + ": choose some with --identities and --expressions");
-  if (source.shapes.size() >= kMostRecords)
-    fail("has " + std::to_string(source.shapes.size()) + " shapes, more than " +
-         std::to_string(kMostRecords - 1) + ": choose some with --identities and --expressions");
+  if (source.shapes.size() > kMostShapes)
+    fail("has " + std::to_string(source.shapes.size()) + " shapes, more than " + std::to_string(kMostShapes) +
+         ": choose some with --identities and --expressions");
   if (source.landmarks.size() > table::kMaxLandmarks)
     fail("has " + std::to_string(source.landmarks.size()) + " landmarks, more than " +
          std::to_string(table::kMaxLandmarks));

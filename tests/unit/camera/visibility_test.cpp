@@ -118,8 +118,9 @@ TEST_CASE(
   std::vector<float> depth(image.size(), 500.0f);
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN(),
                   kFar = std::numeric_limits<float>::infinity();
-  for (const auto& [anywhere, depth_there] :
-       {std::pair{0.0f, -1.0f}, {1e30f, -1.0f}, {kNone, -1.0f}, {kNone, kFar}}) {
+  const std::pair<float, float> kVertices[] = {{0.0f, -1.0f}, {1e30f, -1.0f}, {kNone, -1.0f}, {kNone, kFar}};
+  for (const auto& vertex : kVertices) {
+    const float anywhere = vertex.first, depth_there = vertex.second;
     CAPTURE(anywhere);
     CAPTURE(depth_there);
     image[0] = {anywhere, -anywhere};
