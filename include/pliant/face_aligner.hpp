@@ -46,12 +46,16 @@ struct AlignOptions {
 /// about 140 KiB for the built-in face.
 class FaceAligner {
  public:
-  /// Arena layout (create_in, measured_bytes), with the model's own learnt table.
+  /// Arena layout (create_in, measured_bytes), with the model's own learnt table, whose checksum Model::open has computed.
   void lay_out(Arena& arena, const Model& model) { lay_out(arena, model, model.aligner()); }
-  /// The same in three fifths of the memory. An alignment takes longer: it samples the fields anew in each step.
-  void lay_out_frugally(Arena& arena, const Model& model);
-  /// The same for `verify` only, in two fifths of the memory. The checksum of the table is not computed again:
-  /// Model::open has done it.
+  /// The same in three tenths of the memory: what an alignment keeps from frame to frame. Each frame's calls need `lay_out_scratch`
+  /// before them; without, they return capacity.
+  void lay_out_spread(Arena& arena, const Model& model);
+  /// The rest, in memory that may be used otherwise after the frame's calls. Nothing happens after another layout.
+  void lay_out_scratch(Arena& scratch);
+  /// Bytes of it.
+  static std::size_t scratch_bytes(const Model& model);
+  /// The same for `verify` only, in two fifths of the memory.
   void lay_out_for_verification(Arena& arena, const Model& model);
   /// The same with another table.
   /// \param table  a learnt table, aligned to 4 bytes; it must outlive this object. A bad one is told by `status`.

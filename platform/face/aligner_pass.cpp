@@ -29,8 +29,7 @@ Vec2 limited(Vec2 mm) {
 }  // namespace
 
 void AlignerPass::lay_out(Arena& arena, const Model& model, std::size_t landmarks, AlignerUse use) {
-  picture_.lay_out(arena);
-  gradients_.lay_out(arena);
+  if (use != AlignerUse::spread_alignment) lay_out_pictures(arena);
   shape_.lay_out(arena, model, landmarks, use);
   block_ = arena.take<std::uint8_t>(static_cast<std::size_t>(kMostBlockBytes));
   mirrored_ = arena.take<std::uint8_t>(static_cast<std::size_t>(kMostBlockBytes));
@@ -39,6 +38,16 @@ void AlignerPass::lay_out(Arena& arena, const Model& model, std::size_t landmark
   image_ = arena.take<Vec2>(landmarks);
   target_ = arena.take<Vec2>(landmarks);
   components_ = arena.take<float>(kMostAlignerComponents);
+}
+
+void AlignerPass::lay_out_pictures(Arena& arena) {
+  picture_.lay_out(arena);
+  gradients_.lay_out(arena);
+}
+
+void AlignerPass::lay_out_scratch(Arena& arena) {
+  lay_out_pictures(arena);
+  shape_.lay_out_samples(arena);
 }
 
 std::size_t AlignerPass::choose_landmarks(const Model& model, const std::uint8_t* numbers,

@@ -77,7 +77,7 @@ bool fits(std::uint32_t first, std::size_t count, std::size_t total) {
 
 bool is_valid(const AlignerStage& s) {
   if (!(s.mm_per_px >= 0.5f && s.mm_per_px <= 8) || !(s.prior >= 0 && s.prior <= 1e6f)) return false;
-  if (s.cells < 1 || s.cells > kMostBlockCells || s.cell_px < 1 || s.cell_px > 8) return false;
+  if (s.cells < 1 || s.cells > kMostBlockCells || s.cell_px < 1 || s.cell_px > kMostBlockCellPx) return false;
   if (s.crop_px < s.cells * s.cell_px || s.crop_px > kMostCropPx) return false;
   if (s.components > kMostAlignerComponents || s.refines > 1 || s.stride < 1) return false;
   return s.components == 0

@@ -42,7 +42,8 @@ void Alignment::lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> 
   pass.lay_out(arena, of, kMostAlignerLandmarks, use);
   start_q = arena.take<float>(of.parameters().count);
   if (arena.is_measuring() || arena.exhausted()) return;
-  status = AlignerTable::open(bytes, table, use == AlignerUse::verification);
+  const bool is_summed = bytes.data == of.aligner().data;  // by Model::open
+  status = AlignerTable::open(bytes, table, is_summed);
   if (status != Status::ok) return;
   const std::size_t found = pass.choose_landmarks(of, table->landmark_numbers(), table->landmark_count());
   if (static_cast<float>(found) < kTuning.least_landmarks * static_cast<float>(table->landmark_count()))
@@ -52,6 +53,7 @@ void Alignment::lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> 
 Status Alignment::check_input(const FrameView& frame, const Camera& camera, const float* q,
                               const AlignedFace* face) {
   if (status != Status::ok) return status;
+  if (!pass.has_scratch()) return Status::capacity;
   if (q == nullptr || face == nullptr) return Status::bad_argument;
   if (check(frame) != Status::ok || !is_within(camera.cx, -kTuning.most_px, kTuning.most_px) ||
       !is_within(camera.cy, -kTuning.most_px, kTuning.most_px))

@@ -12,8 +12,20 @@ void FaceAligner::lay_out(Arena& arena, const Model& model, Span<const std::uint
   state_ = create_part<State>(arena, model, table, AlignerUse::alignment);
 }
 
-void FaceAligner::lay_out_frugally(Arena& arena, const Model& model) {
-  state_ = create_part<State>(arena, model, model.aligner(), AlignerUse::frugal_alignment);
+void FaceAligner::lay_out_spread(Arena& arena, const Model& model) {
+  state_ = create_part<State>(arena, model, model.aligner(), AlignerUse::spread_alignment);
+}
+
+void FaceAligner::lay_out_scratch(Arena& scratch) {
+  if (state_ != nullptr && state_->use == AlignerUse::spread_alignment) state_->pass.lay_out_scratch(scratch);
+}
+
+std::size_t FaceAligner::scratch_bytes(const Model& model) {
+  Arena parts, scratch;
+  AlignerPass pass;
+  pass.lay_out(parts, model, kMostAlignerLandmarks, AlignerUse::spread_alignment);
+  pass.lay_out_scratch(scratch);
+  return scratch.used_bytes();
 }
 
 void FaceAligner::lay_out_for_verification(Arena& arena, const Model& model) {
@@ -42,6 +54,7 @@ Status FaceAligner::advance(const FrameView& frame, int steps, AlignedFace* face
   State& s = *state_;
   if (s.status != Status::ok) return s.status;
   if (s.begun->steps_left == 0) return Status::not_started;
+  if (!s.pass.has_scratch()) return Status::capacity;
   if (q == nullptr || face == nullptr || check(frame) != Status::ok || !s.has_room(landmarks))
     return Status::bad_argument;
   if (frame.width != s.begun->width || frame.height != s.begun->height) return Status::size_mismatch;

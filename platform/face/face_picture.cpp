@@ -1,6 +1,10 @@
 #include "face/face_picture.hpp"
 
+#include <cstring>
+
 #include "base/integers.hpp"
+#include "base/lanes.hpp"
+#include "base/wide_vectors.hpp"
 #include "vision/bilinear.hpp"
 
 namespace pliant {
@@ -102,14 +106,86 @@ void FacePicture::take(const FrameView& frame, Vec2 centre, float ratio, int* co
 
 namespace {
 
+/// Positions along a row of a crop, in 1/65536 px of the picture.
+struct CropLine {
+  std::int32_t x, y, step_x, step_y;
+};
+
+/// The last position with four neighbours.
+std::int32_t last_of(int side) {
+  return ((side - 1) << 16) - 1;
+}
+
+#if PLIANT_HAS_VECTORS
+
+constexpr int kGroup = 32;
+
+/// kGroup pixels. In three loops, of which two become vectors: where each pixel is, its four neighbours, and the interpolation.
+PLIANT_WIDE_VECTORS
+void read_group(const std::uint8_t* pixels, int side, const CropLine& line, std::uint8_t* out) {
+  std::int32_t first[kGroup], fraction_x[kGroup], fraction_y[kGroup];
+  std::uint32_t four[kGroup];  // a byte each: two of the upper line, two of the lower one
+  const std::int32_t last = last_of(side);
+  for (int i = 0; i < kGroup; ++i) {
+    const std::int32_t x = within(line.x + i * line.step_x, 0, last),
+                       y = within(line.y + i * line.step_y, 0, last);
+    first[i] = (y >> 16) * side + (x >> 16);
+    fraction_x[i] = (x >> 8) & 255;
+    fraction_y[i] = (y >> 8) & 255;
+  }
+  for (int i = 0; i < kGroup; ++i) {
+    std::uint16_t upper, lower;
+    std::memcpy(&upper, pixels + first[i], sizeof upper);
+    std::memcpy(&lower, pixels + first[i] + side, sizeof lower);
+    four[i] = upper | static_cast<std::uint32_t>(lower) << 16;
+  }
+  for (int i = 0; i < kGroup; ++i) {
+    const auto at = [&](int shift) { return static_cast<int>(four[i] >> shift & 255); };
+    out[i] = bilinear_grey(at(0), at(8), at(16), at(24), fraction_x[i], fraction_y[i]);
+  }
+}
+
+/// The last group ends with the line: it reads some pixels again.
+void read_line(const std::uint8_t* pixels, int side, const CropLine& line, int count, std::uint8_t* out) {
+  const auto read = [&](int from, std::uint8_t* to) {
+    read_group(pixels, side,
+               {line.x + from * line.step_x, line.y + from * line.step_y, line.step_x, line.step_y}, to);
+  };
+  if (count < kGroup) {
+    std::uint8_t group[kGroup];
+    read(0, group);
+    std::memcpy(out, group, static_cast<std::size_t>(count));
+    return;
+  }
+  for (int from = 0; from < count; from += kGroup) {
+    const int at = smaller(from, count - kGroup);
+    read(at, out + at);
+  }
+}
+
+#else
+
 /// Grey at a position in 1/65536 px, within the picture, by bilinear interpolation.
 std::uint8_t sample(const std::uint8_t* pixels, int side, std::int32_t x, std::int32_t y) {
-  return bilinear_grey(pixels + (y >> 16) * side + (x >> 16), 1, side, (x >> 8) & 255, (y >> 8) & 255);
+  const std::uint8_t *const upper = pixels + (y >> 16) * side + (x >> 16), *const lower = upper + side;
+  return bilinear_grey(upper[0], upper[1], lower[0], lower[1], (x >> 8) & 255, (y >> 8) & 255);
 }
 
 bool is_inside(std::int32_t x, std::int32_t y, std::int32_t last) {
   return x >= 0 && y >= 0 && x <= last && y <= last;
 }
+
+void read_line(const std::uint8_t* pixels, int side, const CropLine& line, int count, std::uint8_t* out) {
+  const std::int32_t steps = count - 1, last = last_of(side);
+  std::int32_t x = line.x, y = line.y;
+  if (is_inside(x, y, last) && is_inside(x + steps * line.step_x, y + steps * line.step_y, last))
+    for (int i = 0; i < count; ++i, x += line.step_x, y += line.step_y) *out++ = sample(pixels, side, x, y);
+  else
+    for (int i = 0; i < count; ++i, x += line.step_x, y += line.step_y)
+      *out++ = sample(pixels, side, within(x, 0, last), within(y, 0, last));
+}
+
+#endif
 
 }  // namespace
 
@@ -129,14 +205,8 @@ Vec2 down_of(const Projector& projector) {
 }
 
 void CropReader::read_row(int y, std::uint8_t* out) const {
-  std::int32_t at_x = first_x_ - (y + 1) * step_y_, at_y = first_y_ + (y + 1) * step_x_;
-  const std::int32_t steps = count_ - 1, last = ((picture_side_ - 1) << 16) - 1;
-  if (is_inside(at_x, at_y, last) && is_inside(at_x + steps * step_x_, at_y + steps * step_y_, last))
-    for (int i = 0; i < count_; ++i, at_x += step_x_, at_y += step_y_)
-      *out++ = sample(pixels_, picture_side_, at_x, at_y);
-  else
-    for (int i = 0; i < count_; ++i, at_x += step_x_, at_y += step_y_)
-      *out++ = sample(pixels_, picture_side_, within(at_x, 0, last), within(at_y, 0, last));
+  read_line(pixels_, picture_side_,
+            {first_x_ - (y + 1) * step_y_, first_y_ + (y + 1) * step_x_, step_x_, step_y_}, count_, out);
 }
 
 }  // namespace pliant

@@ -17,13 +17,21 @@ void FaceShape::lay_out(Arena& arena, const Model& model, std::size_t landmarks,
   if (use != AlignerUse::verification) {
     equations_.lay_out(arena, unknowns);
     step_ = arena.take<float>(unknowns);
-    const std::size_t records = model.cascade().count;
-    samples_kept_ = use == AlignerUse::alignment ? static_cast<std::uint32_t>(records) : 0;
-    samples_ = arena.take<Vec3>(keeps_samples() ? landmarks * records : records);
     row_.lay_out(arena, unknowns);
   }
   uv_ = arena.take<Vec2>(landmarks);
-  count_ = landmarks;
+  count_ = most_ = landmarks;
+  if (use == AlignerUse::alignment) lay_out_samples(arena);
+}
+
+void FaceShape::lay_out_samples(Arena& arena) {
+  samples_ = arena.take<Vec3>(most_ * cascade_.model().cascade().count);
+  is_sampled_ = arena.take<std::uint8_t>(most_);
+  forget_samples();
+}
+
+void FaceShape::forget_samples() {
+  for (std::size_t k = 0; is_sampled_ != nullptr && k < count_; ++k) is_sampled_[k] = 0;
 }
 
 void FaceShape::set_corners(const Vec2 (&corners)[4]) {
@@ -40,8 +48,7 @@ void FaceShape::start(const View& view, const float* q, const std::uint8_t* is_f
     cascade_.set_free(is_free);
   else
     cascade_.set_all_free();
-  for (std::size_t k = 0; keeps_samples() && k < count_; ++k)
-    cascade_.sample_point(uv_[k], q_, samples_of(k));
+  forget_samples();
 }
 
 bool FaceShape::project(Vec2 uv, Vec2* x) {
@@ -80,7 +87,8 @@ float FaceShape::weight_of(const Projector& projector, Vec3 p) {
 FaceShape::Seen FaceShape::evaluate(std::size_t k) {
   PLIANT_ASSERT(samples_ != nullptr);
   const Projector projector(view_, true);
-  if (!keeps_samples()) cascade_.sample_point(uv_[k], q_, samples_);
+  if (is_sampled_[k] == 0) cascade_.sample_point(uv_[k], q_, samples_of(k));
+  is_sampled_[k] = 1;
   const Vec3 p = cascade_.evaluate(samples_of(k), q_, &jacobian_);
   ideal_ = view_.c;
   weight_ = projector.project(p, &ideal_, &derivatives_) ? weight_of(projector, p) : 0;
@@ -89,7 +97,8 @@ FaceShape::Seen FaceShape::evaluate(std::size_t k) {
 
 FaceShape::Seen FaceShape::locate(std::size_t k) {
   const Projector projector(view_, true);
-  const Vec3 p = keeps_samples() ? cascade_.evaluate(samples_of(k), q_) : cascade_.selected_point(uv_[k]);
+  const bool is_sampled = is_sampled_ != nullptr && is_sampled_[k] != 0;
+  const Vec3 p = is_sampled ? cascade_.evaluate(samples_of(k), q_) : cascade_.selected_point(uv_[k]);
   Vec2 x = view_.c;
   const float weight = projector.project(p, &x) ? weight_of(projector, p) : 0;
   return {lens_.distort(x), weight};

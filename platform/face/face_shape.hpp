@@ -28,9 +28,9 @@ struct FaceShapeTuning {
 };
 inline constexpr FaceShapeTuning kFaceShapeTuning{};
 
-/// What an aligner is laid out for. Alignment keeps the samples of the fields at each landmark: two fifths of its memory, for a
-/// quarter of its time. Frugal alignment takes them anew in each step. Verification takes no steps and has no equations.
-enum class AlignerUse : std::uint8_t { alignment, frugal_alignment, verification };
+/// What an aligner is laid out for. A spread alignment takes what only one frame needs from scratch memory. Verification takes no
+/// steps, and has neither equations nor samples.
+enum class AlignerUse : std::uint8_t { alignment, spread_alignment, verification };
 
 /// Pose and parameters of one face. A step: `begin`, then `evaluate` and `add` for each landmark, then
 /// `finish`.
@@ -39,6 +39,9 @@ class FaceShape {
   /// \param landmarks  at most that many.
   void lay_out(Arena& arena, const Model& model, std::size_t landmarks,
                AlignerUse use = AlignerUse::alignment);
+  /// The samples of the fields at each landmark, which `evaluate` takes once. They are forgotten if they are laid out again, and at
+  /// `start`. Not for verification.
+  void lay_out_samples(Arena& arena);
 
   /// The landmarks by their (u,v). \param corners  outer eye corners and mouth corners.
   void set_landmark(std::size_t k, Vec2 uv) { uv_[k] = uv; }
@@ -82,8 +85,8 @@ class FaceShape {
 
  private:
   void add_priors(float prior);
-  Vec3* samples_of(std::size_t k) { return samples_ + k * samples_kept_; }
-  bool keeps_samples() const { return samples_kept_ > 0; }
+  Vec3* samples_of(std::size_t k) { return samples_ + k * cascade_.model().cascade().count; }
+  void forget_samples();
   static float weight_of(const Projector& projector, Vec3 p);
 
   Cascade cascade_;
@@ -91,17 +94,17 @@ class FaceShape {
   View view_;
   Lens lens_;
   float *q_ = nullptr, *step_ = nullptr;
-  Vec3* samples_ = nullptr;  // of each landmark; of one in frugal alignment; null in verification
+  Vec3* samples_ = nullptr;             // of each landmark; null in verification
+  std::uint8_t* is_sampled_ = nullptr;  // each landmark
   PointRow row_;
   Vec2* uv_ = nullptr;
-  std::size_t count_ = 0;
+  std::size_t count_ = 0, most_ = 0;
   Vec2 corners_[4];
   // The landmark of the last `evaluate`.
   Jacobian jacobian_;
   Projector::Derivatives derivatives_;
   Vec2 ideal_;  // px, without lens
   float weight_ = 0;
-  std::uint32_t samples_kept_ = 0;  // from those of one landmark to the next; 0: they are not kept
 };
 
 }  // namespace pliant

@@ -2,7 +2,7 @@
 
 #include "base/integers.hpp"
 #include "base/wide_vectors.hpp"
-#include "face/gradient_parts.hpp"
+#include "face/gradient_sums.hpp"
 #include "vision/halfwords.hpp"
 
 namespace pliant {
@@ -17,16 +17,6 @@ struct GradientBlockTuning {
   std::uint32_t steps_a_mean = 16;
 };
 constexpr GradientBlockTuning kTuning{};
-
-// Both parts of a gradient are cut off, so that an edge of hair or glasses does not outweigh the face.
-constexpr int kAxisBits = 7, kDiagonalBits = 6;
-constexpr int kPartBits = kAxisBits + kDiagonalBits;
-constexpr int kMostAxis = (1 << kAxisBits) - 1, kMostDiagonal = (1 << kDiagonalBits) - 1;
-
-// Octants by dx < 0 (4), dy < 0 (2) and |dy| > |dx| (1), and the two directions of each, in multiples of 45 degrees from +x
-// towards +y.
-constexpr std::uint8_t kAxis[8] = {0, 2, 0, 6, 4, 2, 4, 6};
-constexpr std::uint8_t kDiagonal[8] = {1, 1, 7, 7, 3, 3, 5, 5};
 
 /// Square roots of 0 to 255, times 16, rounded.
 struct RootTable {
@@ -47,21 +37,6 @@ int first_of(float at, int block, int side) {
   return static_cast<int>(min(max(0, first), static_cast<float>(side - block)));
 }
 
-/// Gradient sums of one cell, by direction.
-void sum_cell(const std::uint16_t* first, int stride, int cell_px, std::uint16_t* sums) {
-  std::uint32_t by_direction[8] = {};
-  for (int j = 0; j < cell_px; ++j, first += stride)
-    for (int i = 0; i < cell_px; ++i) {
-      const unsigned gradient = first[i];
-      const unsigned octant = gradient >> kPartBits;
-      by_direction[kAxis[octant]] += (gradient >> kDiagonalBits) & kMostAxis;
-      by_direction[kDiagonal[octant]] += gradient & kMostDiagonal;
-    }
-  for (int d = 0; d < 8; ++d)
-    sums[d] =
-        static_cast<std::uint16_t>(d % 2 == 0 ? by_direction[d] : (by_direction[d] * kDiagonalGain) >> 7);
-}
-
 /// The gradients of a row of pixels. The lines have one pixel more on each side.
 PLIANT_WIDE_VECTORS
 void gradients_of_row(const std::uint8_t* above, const std::uint8_t* line, const std::uint8_t* below,
@@ -79,6 +54,19 @@ void gradients_of_row(const std::uint8_t* above, const std::uint8_t* line, const
   }
 }
 
+/// Each sum as a part of their total, at most 255. \param noise  is a part of the total.
+PLIANT_WIDE_VECTORS
+void write_parts(const std::uint16_t* sums, int count, std::uint32_t noise, std::uint8_t* out) {
+  std::uint32_t total = noise;
+  for (int k = 0; k < count; ++k) total += sums[k];
+  // No sum exceeds the total, so that no product exceeds steps * count * 2^16 = 2^29.
+  const std::uint32_t by = ((kTuning.steps_a_mean * static_cast<std::uint32_t>(count)) << 16) / total;
+  for (int k = 0; k < count; ++k) {
+    const std::uint32_t part = (sums[k] * by) >> 16;
+    out[k] = static_cast<std::uint8_t>(part < 255 ? part : 255);
+  }
+}
+
 void reverse(std::uint8_t* row, int count) {
   for (int i = 0, j = count - 1; i < j; ++i, --j) {
     const std::uint8_t kept = row[i];
@@ -93,7 +81,7 @@ void GradientMap::lay_out(Arena& arena, int most_side) {
   PLIANT_ASSERT(most_side >= 1 && most_side <= kMostCropPx);
   most_side_ = most_side;
   const auto side = static_cast<std::size_t>(most_side);
-  gradients_ = arena.take<std::uint16_t>(side * side);
+  gradients_ = arena.take<std::uint16_t>(side * side + kReadBeyondBlock);
   sums_ =
       arena.take<std::uint16_t>(static_cast<std::size_t>(kMostBlockCells) * kMostBlockCells * kBlockChannels);
 }
@@ -119,18 +107,9 @@ Vec2 GradientMap::describe(Vec2 at, int cells, int cell_px, std::uint8_t* out) c
   const int block = cells * cell_px, values = cells * cells * kBlockChannels;
   PLIANT_ASSERT(block <= side_ && cells <= kMostBlockCells);
   const int x = first_of(at.x, block, side_), y = first_of(at.y, block, side_);
-  for (int j = 0; j < cells; ++j)
-    for (int i = 0; i < cells; ++i)
-      sum_cell(gradients_ + (y + j * cell_px) * side_ + x + i * cell_px, side_, cell_px,
-               sums_ + (j * cells + i) * kBlockChannels);
-  std::uint32_t total = static_cast<std::uint32_t>(block * block) * kTuning.noise;
-  for (int k = 0; k < values; ++k) total += sums_[k];
-  // No part exceeds the total, so that no product exceeds steps * values * 2^16 = 2^29.
-  const std::uint32_t by = ((kTuning.steps_a_mean * static_cast<std::uint32_t>(values)) << 16) / total;
-  for (int k = 0; k < values; ++k) {
-    const std::uint32_t part = (sums_[k] * by) >> 16;
-    out[k] = kRoots.root[part < 255 ? part : 255];
-  }
+  sum_block(gradients_ + y * side_ + x, side_, cells, cell_px, sums_);
+  write_parts(sums_, values, static_cast<std::uint32_t>(block * block) * kTuning.noise, out);
+  for (int k = 0; k < values; ++k) out[k] = kRoots.root[out[k]];
   const float half = 0.5f * static_cast<float>(block - 1);
   return {static_cast<float>(x) + half, static_cast<float>(y) + half};
 }

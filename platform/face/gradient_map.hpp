@@ -5,13 +5,12 @@
 #include <cstdint>
 
 #include "face/face_picture.hpp"
+#include "face/gradient_sums.hpp"
 #include "pliant/arena.hpp"
 
 namespace pliant {
 
-constexpr int kBlockChannels = 8;   // directions, bytes a cell of a block
-constexpr int kMostBlockCells = 8;  // a side of a block
-constexpr int kMostCropPx = 104;    // a side of the crop
+constexpr int kMostCropPx = 104;  // a side of the crop
 
 /// The gradients of one crop. Integers only.
 class GradientMap {
@@ -38,7 +37,7 @@ class GradientMap {
 
  private:
   int side_ = 0, most_side_ = 0;
-  std::uint16_t* gradients_ = nullptr;  // octant, part along the axis, part along the diagonal
+  std::uint16_t* gradients_ = nullptr;  // packed
   std::uint16_t* sums_ = nullptr;       // of the block being described
 };
 

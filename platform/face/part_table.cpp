@@ -51,7 +51,7 @@ bool is_valid(const PartRecord& p) {
     return false;
   for (std::size_t k = 0; k < p.stage_count; ++k) {
     const PartRecord::Blocks b = p.stage[k];
-    if (b.cells < 1 || b.cells > kMostBlockCells || b.cell_px < 1 || b.cell_px > 8 ||
+    if (b.cells < 1 || b.cells > kMostBlockCells || b.cell_px < 1 || b.cell_px > kMostBlockCellPx ||
         b.cells * b.cell_px > p.crop_px || part_bytes(p, k) > kMostPartBytes)
       return false;
   }

@@ -21,10 +21,10 @@ namespace {
 /// Grey at a place in 1/65536 px, between the frame's pixels.
 std::uint8_t grey_at(const FrameView& frame, std::int32_t x, std::int32_t y) {
   const int step = frame.pixel_step_bytes;
-  const std::uint8_t* const p =
-      frame.data + static_cast<std::size_t>(y >> 16) * frame.stride_bytes + (x >> 16) * step;
-  return bilinear_grey(p, step, static_cast<std::ptrdiff_t>(frame.stride_bytes), (x >> 8) & 255,
-                       (y >> 8) & 255);
+  const std::uint8_t *const upper = frame.data + static_cast<std::size_t>(y >> 16) * frame.stride_bytes +
+                                    (x >> 16) * step,
+                            *const lower = upper + frame.stride_bytes;
+  return bilinear_grey(upper[0], upper[step], lower[0], lower[step], (x >> 8) & 255, (y >> 8) & 255);
 }
 
 }  // namespace

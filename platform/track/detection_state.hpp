@@ -62,7 +62,7 @@ struct Detection {
   /// \return null if the arena measures, is exhausted, or the model has no tables.
   DetectionState* (*lay_out)(Arena& arena, const Model& model, const TrackerLimits& limits,
                              std::size_t* search_bytes);
-  /// Bytes that a check takes of unused memory. 0 without tables.
+  /// Bytes that a check, or an alignment of a frame, takes of memory that is unused between frames. 0 without tables.
   std::size_t (*check_bytes)(const Model& model, const TrackerLimits& limits);
   /// Bytes of scratch that DetectionCalls::read_parts takes. Null: none.
   std::size_t (*read_bytes)(const Model& model, const TrackerLimits& limits);

@@ -45,7 +45,9 @@ DetectionState* lay_out(Arena& arena, const Model& model, const TrackerLimits& l
 }
 
 std::size_t bytes_of_check(const Model& model, const TrackerLimits& limits) {
-  return is_available(model, limits) ? check_bytes(model, limits) : 0;
+  if (!is_available(model, limits)) return 0;
+  const bool aligns = limits.second_look != nullptr;  // which takes more
+  return aligns ? limits.second_look->bytes(model) : check_bytes(model, limits);
 }
 
 std::size_t bytes_of_reading(const Model& model, const TrackerLimits& limits) {

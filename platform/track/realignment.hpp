@@ -49,4 +49,7 @@ bool realign(TrackerParts& tracker, const FrameView& frame);
 /// the same offsets. Nothing happens if the caller has given places of markers.
 void resume(TrackerParts& tracker, const FrameView& frame);
 
+/// Bytes that both take of memory that is unused between frames.
+std::size_t alignment_bytes(const Model& model);
+
 }  // namespace pliant

@@ -14,7 +14,18 @@ void SecondLookState::lay_out(Arena& arena, const Model& model, const TrackerLim
   modules = limits.detection->modules;
   aligner = arena.make<FaceAligner>();
   FaceAligner measured;
-  (aligner == nullptr ? measured : *aligner).lay_out_frugally(arena, model);
+  (aligner == nullptr ? measured : *aligner).lay_out_spread(arena, model);
+}
+
+FaceAligner& SecondLookState::in(Arena& scratch) {
+  aligner->lay_out_scratch(scratch);
+  PLIANT_ASSERT(!scratch.exhausted());  // SecondLook::bytes
+  return *aligner;
+}
+
+FaceAligner& SecondLookState::in_scratch_of(const TrackerParts& t) {
+  Arena scratch(t.unused_between_frames.data, t.unused_between_frames.count);
+  return in(scratch);
 }
 
 void SecondLookState::stop(FrameBudget& budget) {
@@ -101,8 +112,9 @@ void begin_look(TrackerParts& t, const FrameView& frame) {
   const std::uint32_t longest = is_doubtful ? kTuning.longest_doubtful_wait : kTuning.longest_wait;
   look.wait = 2 * look.wait < longest ? 2 * look.wait : longest;
   look.frames_left = look.wait;
-  const Status status = look.modules->begin(*look.aligner, frame, box_of_track(t), t.estimator.camera(), {},
-                                            detection.face_search.room().q, &look.steps_left);
+  const Status status =
+      look.modules->begin(look.in_scratch_of(t), frame, box_of_track(t), t.estimator.camera(), {},
+                          detection.face_search.room().q, &look.steps_left);
   if (status == Status::ok)
     t.budget.second_look.hurry(kTuning.step_work);
   else
@@ -128,7 +140,7 @@ bool conclude(TrackerParts& t, const FrameView& frame) {
   if (!t.budget.take(t.budget.second_look, kTuning.step_work)) return false;
   const AlignmentRoom room = detection.face_search.room();
   AlignedFace face;
-  const Status status = look.modules->advance(*look.aligner, frame, 1, &face, room.q, room.landmarks);
+  const Status status = look.modules->advance(look.in_scratch_of(t), frame, 1, &face, room.q, room.landmarks);
   look.steps_left = status == Status::ok ? look.steps_left - 1 : 0;
   if (look.steps_left > 0) {
     t.budget.second_look.hurry(kTuning.step_work);  // the head may turn
@@ -148,6 +160,6 @@ bool is_over(const TrackerParts& t) {
 
 }  // namespace
 
-const SecondLook kSecondLook{lay_out, begin_track, conclude, resume, is_over};
+const SecondLook kSecondLook{lay_out, alignment_bytes, begin_track, conclude, resume, is_over};
 
 }  // namespace pliant

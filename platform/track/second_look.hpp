@@ -1,7 +1,7 @@
 #pragma once
 /// \file second_look.hpp
-/// A second alignment while a track runs: it may see more of the face than the start did (docs/algorithms.md, section 7.15). The
-/// same aligner serves bad frames (realignment.hpp).
+/// A second alignment while a track runs: it may see more of the face than the start did (docs/algorithms.md, section 7.15). Bad
+/// frames are aligned, too (realignment.hpp).
 #include <cstdint>
 
 #include "pliant/arena.hpp"
@@ -78,6 +78,9 @@ struct SecondLookState {
   bool is_captured = false;  // it has got them: the readers begin in the next good frame
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
+  /// The aligner, for calls of one frame.
+  FaceAligner& in(Arena& scratch);
+  FaceAligner& in_scratch_of(const TrackerParts& t);
   /// Drops the alignment that is under way, and what the budget keeps for it.
   void stop(FrameBudget& budget);
 };
@@ -87,6 +90,8 @@ struct SecondLookState {
 struct SecondLook {
   /// \return null if the arena measures, or is exhausted.
   SecondLookState* (*lay_out)(Arena& arena, const Model& model, const TrackerLimits& limits);
+  /// Bytes that an alignment of one frame takes of memory that is unused between frames.
+  std::size_t (*bytes)(const Model& model);
   /// A track has begun.
   void (*begin_track)(TrackerParts& tracker);
   /// Ends a frame of a track. After a good one it takes a step of the alignment, if one is due and the frame has room, and where

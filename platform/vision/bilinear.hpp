@@ -13,11 +13,11 @@ inline int bilinear_sixteenths(const std::uint8_t* p, std::ptrdiff_t stride, int
   return (upper * 256 + (lower - upper) * fy + 2048) >> 12;
 }
 
-/// Sample in whole greys between p, p[right] and the two pixels `below` bytes on. Integers only. \param fx, fy  as above.
-inline std::uint8_t bilinear_grey(const std::uint8_t* p, std::ptrdiff_t right, std::ptrdiff_t below, int fx,
+/// Sample in whole greys between four pixels: two of a line, two of the line below. Integers only. \param fx, fy  as above.
+inline std::uint8_t bilinear_grey(int upper_left, int upper_right, int lower_left, int lower_right, int fx,
                                   int fy) {
-  const int upper = p[0] * 256 + (p[right] - p[0]) * fx;
-  const int lower = p[below] * 256 + (p[below + right] - p[below]) * fx;
+  const int upper = upper_left * 256 + (upper_right - upper_left) * fx;
+  const int lower = lower_left * 256 + (lower_right - lower_left) * fx;
   return static_cast<std::uint8_t>((upper * 256 + (lower - upper) * fy + 32768) >> 16);
 }
 

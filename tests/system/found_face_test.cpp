@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "aligned_block.hpp"
 #include "host/bench/annotated_faces.hpp"
 #include "host/bench/still_film.hpp"
 #include "host/commands/face_finder.hpp"
@@ -104,7 +105,7 @@ TEST_CASE(
   CHECK(least_part(covered("ibug36", "ibug45", 0.15f, 0.15f, 60)) < -2);
 }
 
-TEST_CASE("an aligner that keeps no samples takes less memory, and finds the same landmarks") {
+TEST_CASE("an aligner that borrows scratch memory keeps less, and finds the same landmarks") {
   FaceFinder finder(face_file());
   const Image picture = resized(astronaut(), 0.6f);
   const FaceBox box = finder.find(picture, "astronaut", 0.5f).at(0).box;
@@ -115,23 +116,30 @@ TEST_CASE("an aligner that keeps no samples takes less memory, and finds the sam
       centred_camera(picture.width, picture.height, 1.25f * static_cast<float>(picture.width));
   std::vector<Vec2> found[2];
   std::size_t bytes[2];
-  for (const bool is_frugal : {false, true}) {
-    std::vector<unsigned char> room(200'000 + Arena::kAlignment);
-    Arena arena(room.data(), room.size());
+  for (const bool borrows : {false, true}) {
+    AlignedBlock kept(200'000), lent(FaceAligner::scratch_bytes(model));
+    Arena arena(kept.data(), kept.size()), scratch(lent.data(), lent.size());
     FaceAligner aligner;
-    if (is_frugal)
-      aligner.lay_out_frugally(arena, model);
+    if (borrows)
+      aligner.lay_out_spread(arena, model);
     else
       aligner.lay_out(arena, model);
-    bytes[is_frugal] = arena.used_bytes();
-    found[is_frugal].resize(model.landmarks().count);
+    bytes[borrows] = arena.used_bytes();
+    found[borrows].resize(model.landmarks().count);
     std::vector<float> q(model.parameters().count);
     AlignedFace face;
-    REQUIRE(aligner.align(frame, box, camera, &face, q.data(),
-                          {found[is_frugal].data(), found[is_frugal].size()}) == Status::ok);
+    const auto align = [&] {
+      return aligner.align(frame, box, camera, &face, q.data(),
+                           {found[borrows].data(), found[borrows].size()});
+    };
+    if (borrows) CHECK(align() == Status::capacity);
+    aligner.lay_out_scratch(scratch);
+    CHECK_FALSE(scratch.exhausted());
+    CHECK((scratch.used_bytes() > 0) == borrows);
+    REQUIRE(align() == Status::ok);
   }
-  CHECK(bytes[true] < 0.65 * static_cast<double>(bytes[false]));
-  for (std::size_t k = 0; k < found[0].size(); ++k) CHECK(length(found[true][k] - found[false][k]) < 0.01f);
+  CHECK(bytes[true] < 0.35 * static_cast<double>(bytes[false]));
+  for (std::size_t k = 0; k < found[0].size(); ++k) CHECK(length(found[true][k] - found[false][k]) == 0);
 }
 
 TEST_CASE("a face in a noisy picture is found and aligned, since the picture is smoothed") {

@@ -4,12 +4,14 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "aligned_block.hpp"
 #include "face/gradient_map.hpp"
 #include "random.hpp"
 #include "texture.hpp"
+#include "vision/bilinear.hpp"
 
 namespace face_picture_test {
 
@@ -76,6 +78,61 @@ TEST_CASE("the blocks of a mirrored crop are the mirror images of the crop's") {
   CHECK(mirrored != block);
   b.map.compute(b.picture, b.crop, true);
   CHECK(b.describe(there) == mirrored);
+}
+
+TEST_CASE("a block has the sums of its pixels' gradients, by cell and direction") {
+  constexpr int kStride = 71;
+  Random random(5);
+  std::vector<std::uint16_t> gradients(kStride * kStride + kReadBeyondBlock);
+  for (std::uint16_t& g : gradients) g = static_cast<std::uint16_t>(random.uniform(0, 65536));
+  for (int cells = 1; cells <= kMostBlockCells; ++cells)
+    for (int cell_px = 1; cell_px <= kMostBlockCellPx; ++cell_px) {
+      CAPTURE(cells);
+      CAPTURE(cell_px);
+      const int first = kStride - cells * cell_px;  // the last block, which ends at the last gradient
+      std::vector<std::uint16_t> sums(static_cast<std::size_t>(cells * cells * kBlockChannels));
+      sum_block(gradients.data() + first * kStride + first, kStride, cells, cell_px, sums.data());
+      for (int j = 0; j < cells; ++j)
+        for (int i = 0; i < cells; ++i) {
+          unsigned expected[kBlockChannels] = {};
+          for (int y = j * cell_px; y < (j + 1) * cell_px; ++y)
+            for (int x = i * cell_px; x < (i + 1) * cell_px; ++x) {
+              const unsigned g = gradients[static_cast<std::size_t>((first + y) * kStride + first + x)];
+              const bool is_left = g >> 15 & 1, is_up = g >> 14 & 1, is_steep = g >> 13 & 1;
+              expected[is_steep ? (is_up ? 6 : 2) : (is_left ? 4 : 0)] += g >> 6 & 127;
+              expected[is_up ? (is_left ? 5 : 7) : (is_left ? 3 : 1)] += g & 63;
+            }
+          for (int d = 0; d < kBlockChannels; ++d) {
+            const unsigned scaled = d % 2 == 0 ? expected[d] : expected[d] * 181 / 128;  // sqrt(2)
+            CHECK(sums[static_cast<std::size_t>((j * cells + i) * kBlockChannels + d)] == scaled);
+          }
+        }
+    }
+}
+
+TEST_CASE("a row of a crop is interpolated between four pixels, however the crop is turned") {
+  const Picture frame = render(texture::Texture(7), {}, 200, 200);
+  Bench b(frame);
+  Random random(11);
+  for (int trial = 0; trial < 40; ++trial) {
+    const float angle = random.uniform(-3, 3), step = random.uniform(0.3f, 1.1f);
+    const Vec2 right = step * Vec2{std::cos(angle), std::sin(angle)};
+    const CropMap map{b.crop.origin + Vec2{random.uniform(-30, 30), random.uniform(-30, 30)}, right, 104};
+    const CropReader reader(b.picture, map);
+    std::uint8_t row[106];
+    const int y = static_cast<int>(random.uniform(-1, 104.9f));
+    reader.read_row(y, row);
+    for (int i = 0; i < 106; ++i) {
+      const float end = static_cast<float>(b.picture.side() - 1);
+      Vec2 at = b.picture.from_frame(map.to_frame({static_cast<float>(i - 1), static_cast<float>(y)}));
+      at = {clamp(at.x, 0, end - 1e-4f), clamp(at.y, 0, end - 1e-4f)};
+      const int x0 = static_cast<int>(at.x), y0 = static_cast<int>(at.y);
+      const std::uint8_t* const p = b.picture.pixels() + y0 * b.picture.side() + x0;
+      const float grey =
+          bilinear(p, p + b.picture.side(), 1, at.x - static_cast<float>(x0), at.y - static_cast<float>(y0));
+      CHECK(magnitude(grey - static_cast<float>(row[i])) < 3);  // fractions of a pixel are cut to 1/256
+    }
+  }
 }
 
 TEST_CASE("beyond the picture a crop reads the pixels of its border") {
