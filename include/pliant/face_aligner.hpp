@@ -62,8 +62,8 @@ class FaceAligner {
   void lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> table);
 
   /// Whether this object can align: ok, not_found (the model has no table, or too few of its landmarks),
-  /// misaligned, truncated, bad_magic, bad_version, bad_checksum or bad_table. All calls below return this
-  /// status where it is not ok.
+  /// misaligned, truncated, bad_magic, bad_version, bad_checksum or bad_table; capacity (laid out spread, and
+  /// without scratch). All calls below return this status where it is not ok.
   Status status() const;
 
   /// Aligns the model to the face in a box, from a frontal pose, turned by the roll, and the mean face.

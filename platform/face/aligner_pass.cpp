@@ -29,7 +29,10 @@ Vec2 limited(Vec2 mm) {
 }  // namespace
 
 void AlignerPass::lay_out(Arena& arena, const Model& model, std::size_t landmarks, AlignerUse use) {
-  if (use != AlignerUse::spread_alignment) lay_out_pictures(arena);
+  if (use != AlignerUse::spread_alignment) {
+    picture_.lay_out(arena);
+    gradients_.lay_out(arena);
+  }
   shape_.lay_out(arena, model, landmarks, use);
   block_ = arena.take<std::uint8_t>(static_cast<std::size_t>(kMostBlockBytes));
   mirrored_ = arena.take<std::uint8_t>(static_cast<std::size_t>(kMostBlockBytes));
@@ -40,13 +43,9 @@ void AlignerPass::lay_out(Arena& arena, const Model& model, std::size_t landmark
   components_ = arena.take<float>(kMostAlignerComponents);
 }
 
-void AlignerPass::lay_out_pictures(Arena& arena) {
+void AlignerPass::lay_out_scratch(Arena& arena) {
   picture_.lay_out(arena);
   gradients_.lay_out(arena);
-}
-
-void AlignerPass::lay_out_scratch(Arena& arena) {
-  lay_out_pictures(arena);
   shape_.lay_out_samples(arena);
 }
 

@@ -25,7 +25,6 @@ class AlignerPass {
                AlignerUse use = AlignerUse::alignment);
   /// Of a spread alignment: what `take_picture` fills, and samples. Taken again for each frame.
   void lay_out_scratch(Arena& arena);
-  bool has_scratch() const { return picture_.pixels() != nullptr; }
 
   /// The landmarks ibugNN of these numbers. Done once.
   /// \return how many of them the model has; 0 if it lacks an outer eye corner or a mouth corner.
@@ -62,7 +61,6 @@ class AlignerPass {
   FaceShape& shape() { return shape_; }
 
  private:
-  void lay_out_pictures(Arena& arena);
   Vec2 predict_local(const AlignerTable& table, const AlignerStage& stage, const LocalWeights& weights,
                      std::size_t index, Vec2 x) const;
   void predict_components(const AlignerStage& stage, const GlobalWeights& weights);

@@ -53,7 +53,6 @@ void Alignment::lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> 
 Status Alignment::check_input(const FrameView& frame, const Camera& camera, const float* q,
                               const AlignedFace* face) {
   if (status != Status::ok) return status;
-  if (!pass.has_scratch()) return Status::capacity;
   if (q == nullptr || face == nullptr) return Status::bad_argument;
   if (check(frame) != Status::ok || !is_within(camera.cx, -kTuning.most_px, kTuning.most_px) ||
       !is_within(camera.cy, -kTuning.most_px, kTuning.most_px))

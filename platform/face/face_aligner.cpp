@@ -14,10 +14,14 @@ void FaceAligner::lay_out(Arena& arena, const Model& model, Span<const std::uint
 
 void FaceAligner::lay_out_spread(Arena& arena, const Model& model) {
   state_ = create_part<State>(arena, model, model.aligner(), AlignerUse::spread_alignment);
+  if (state_ != nullptr && state_->status == Status::ok) state_->status = Status::capacity;
 }
 
 void FaceAligner::lay_out_scratch(Arena& scratch) {
-  if (state_ != nullptr && state_->use == AlignerUse::spread_alignment) state_->pass.lay_out_scratch(scratch);
+  if (state_ == nullptr || state_->use != AlignerUse::spread_alignment) return;
+  state_->pass.lay_out_scratch(scratch);
+  if (state_->status == Status::ok || state_->status == Status::capacity)
+    state_->status = scratch.exhausted() ? Status::capacity : Status::ok;
 }
 
 std::size_t FaceAligner::scratch_bytes(const Model& model) {
@@ -54,7 +58,6 @@ Status FaceAligner::advance(const FrameView& frame, int steps, AlignedFace* face
   State& s = *state_;
   if (s.status != Status::ok) return s.status;
   if (s.begun->steps_left == 0) return Status::not_started;
-  if (!s.pass.has_scratch()) return Status::capacity;
   if (q == nullptr || face == nullptr || check(frame) != Status::ok || !s.has_room(landmarks))
     return Status::bad_argument;
   if (frame.width != s.begun->width || frame.height != s.begun->height) return Status::size_mismatch;

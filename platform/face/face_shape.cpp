@@ -20,18 +20,14 @@ void FaceShape::lay_out(Arena& arena, const Model& model, std::size_t landmarks,
     row_.lay_out(arena, unknowns);
   }
   uv_ = arena.take<Vec2>(landmarks);
-  count_ = most_ = landmarks;
+  PLIANT_ASSERT(landmarks <= kMostLandmarks);
+  count_ = landmarks;
   if (use == AlignerUse::alignment) lay_out_samples(arena);
 }
 
 void FaceShape::lay_out_samples(Arena& arena) {
-  samples_ = arena.take<Vec3>(most_ * cascade_.model().cascade().count);
-  is_sampled_ = arena.take<std::uint8_t>(most_);
+  samples_ = arena.take<Vec3>(count_ * cascade_.model().cascade().count);
   forget_samples();
-}
-
-void FaceShape::forget_samples() {
-  for (std::size_t k = 0; is_sampled_ != nullptr && k < count_; ++k) is_sampled_[k] = 0;
 }
 
 void FaceShape::set_corners(const Vec2 (&corners)[4]) {
@@ -87,9 +83,12 @@ float FaceShape::weight_of(const Projector& projector, Vec3 p) {
 FaceShape::Seen FaceShape::evaluate(std::size_t k) {
   PLIANT_ASSERT(samples_ != nullptr);
   const Projector projector(view_, true);
-  if (is_sampled_[k] == 0) cascade_.sample_point(uv_[k], q_, samples_of(k));
-  is_sampled_[k] = 1;
-  const Vec3 p = cascade_.evaluate(samples_of(k), q_, &jacobian_);
+  Vec3* const samples = samples_of(k);
+  if (!is_sampled(k)) {
+    sampled_[k / 32] |= std::uint32_t{1} << (k % 32);
+    cascade_.sample_point(uv_[k], q_, samples);
+  }
+  const Vec3 p = cascade_.evaluate(samples, q_, &jacobian_);
   ideal_ = view_.c;
   weight_ = projector.project(p, &ideal_, &derivatives_) ? weight_of(projector, p) : 0;
   return {lens_.distort(ideal_), weight_};
@@ -97,8 +96,7 @@ FaceShape::Seen FaceShape::evaluate(std::size_t k) {
 
 FaceShape::Seen FaceShape::locate(std::size_t k) {
   const Projector projector(view_, true);
-  const bool is_sampled = is_sampled_ != nullptr && is_sampled_[k] != 0;
-  const Vec3 p = is_sampled ? cascade_.evaluate(samples_of(k), q_) : cascade_.selected_point(uv_[k]);
+  const Vec3 p = is_sampled(k) ? cascade_.evaluate(samples_of(k), q_) : cascade_.selected_point(uv_[k]);
   Vec2 x = view_.c;
   const float weight = projector.project(p, &x) ? weight_of(projector, p) : 0;
   return {lens_.distort(x), weight};

@@ -36,7 +36,7 @@ enum class AlignerUse : std::uint8_t { alignment, spread_alignment, verification
 /// `finish`.
 class FaceShape {
  public:
-  /// \param landmarks  at most that many.
+  /// \param landmarks  at most that many, up to 96.
   void lay_out(Arena& arena, const Model& model, std::size_t landmarks,
                AlignerUse use = AlignerUse::alignment);
   /// The samples of the fields at each landmark, which `evaluate` takes once. They are forgotten if they are laid out again, and at
@@ -86,7 +86,10 @@ class FaceShape {
  private:
   void add_priors(float prior);
   Vec3* samples_of(std::size_t k) { return samples_ + k * cascade_.model().cascade().count; }
-  void forget_samples();
+  void forget_samples() {
+    for (std::uint32_t& word : sampled_) word = 0;
+  }
+  bool is_sampled(std::size_t k) const { return (sampled_[k / 32] >> (k % 32) & 1) != 0; }
   static float weight_of(const Projector& projector, Vec3 p);
 
   Cascade cascade_;
@@ -94,11 +97,12 @@ class FaceShape {
   View view_;
   Lens lens_;
   float *q_ = nullptr, *step_ = nullptr;
-  Vec3* samples_ = nullptr;             // of each landmark; null in verification
-  std::uint8_t* is_sampled_ = nullptr;  // each landmark
+  static constexpr std::size_t kMostLandmarks = 96;
+  Vec3* samples_ = nullptr;                          // of each landmark; null in verification
+  std::uint32_t sampled_[kMostLandmarks / 32] = {};  // a bit each: whether they are there
   PointRow row_;
   Vec2* uv_ = nullptr;
-  std::size_t count_ = 0, most_ = 0;
+  std::size_t count_ = 0;
   Vec2 corners_[4];
   // The landmark of the last `evaluate`.
   Jacobian jacobian_;

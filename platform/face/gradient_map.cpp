@@ -1,6 +1,7 @@
 #include "face/gradient_map.hpp"
 
 #include "base/integers.hpp"
+#include "base/lanes.hpp"
 #include "base/wide_vectors.hpp"
 #include "face/gradient_sums.hpp"
 #include "vision/halfwords.hpp"
@@ -54,17 +55,20 @@ void gradients_of_row(const std::uint8_t* above, const std::uint8_t* line, const
   }
 }
 
-/// Each sum as a part of their total, at most 255. \param noise  is a part of the total.
+/// The roots of what part of their total each sum is. \param noise  is a part of the total.
+/// With vectors, only the square roots are left to a loop of their own.
 PLIANT_WIDE_VECTORS
-void write_parts(const std::uint16_t* sums, int count, std::uint32_t noise, std::uint8_t* out) {
+void write_roots(const std::uint16_t* sums, int count, std::uint32_t noise, std::uint8_t* out) {
   std::uint32_t total = noise;
   for (int k = 0; k < count; ++k) total += sums[k];
   // No sum exceeds the total, so that no product exceeds steps * count * 2^16 = 2^29.
   const std::uint32_t by = ((kTuning.steps_a_mean * static_cast<std::uint32_t>(count)) << 16) / total;
   for (int k = 0; k < count; ++k) {
     const std::uint32_t part = (sums[k] * by) >> 16;
-    out[k] = static_cast<std::uint8_t>(part < 255 ? part : 255);
+    const auto byte = static_cast<std::uint8_t>(part < 255 ? part : 255);
+    out[k] = kHasVectors ? byte : kRoots.root[byte];
   }
+  for (int k = 0; kHasVectors && k < count; ++k) out[k] = kRoots.root[out[k]];
 }
 
 void reverse(std::uint8_t* row, int count) {
@@ -108,8 +112,7 @@ Vec2 GradientMap::describe(Vec2 at, int cells, int cell_px, std::uint8_t* out) c
   PLIANT_ASSERT(block <= side_ && cells <= kMostBlockCells);
   const int x = first_of(at.x, block, side_), y = first_of(at.y, block, side_);
   sum_block(gradients_ + y * side_ + x, side_, cells, cell_px, sums_);
-  write_parts(sums_, values, static_cast<std::uint32_t>(block * block) * kTuning.noise, out);
-  for (int k = 0; k < values; ++k) out[k] = kRoots.root[out[k]];
+  write_roots(sums_, values, static_cast<std::uint32_t>(block * block) * kTuning.noise, out);
   const float half = 0.5f * static_cast<float>(block - 1);
   return {static_cast<float>(x) + half, static_cast<float>(y) + half};
 }

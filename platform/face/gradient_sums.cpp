@@ -102,14 +102,18 @@ constexpr std::uint8_t kAxis[8] = {0, 2, 0, 6, 4, 2, 4, 6};
 constexpr std::uint8_t kDiagonal[8] = {1, 1, 7, 7, 3, 3, 5, 5};
 
 void sum_cell(const std::uint16_t* first, int stride, int cell_px, std::uint16_t* sums) {
-  std::uint32_t by_direction[kBlockChannels] = {};
+  constexpr int kShift = 16 - kDiagonalBits;
+  std::uint32_t by_octant[8] = {};  // along the axis in the upper half, along the diagonal in the lower one
   for (int j = 0; j < cell_px; ++j, first += stride)
     for (int i = 0; i < cell_px; ++i) {
-      const unsigned gradient = first[i];
-      const unsigned octant = gradient >> kPartBits;
-      by_direction[kAxis[octant]] += (gradient >> kDiagonalBits) & kMostAxis;
-      by_direction[kDiagonal[octant]] += gradient & kMostDiagonal;
+      const std::uint32_t gradient = first[i];
+      by_octant[gradient >> kPartBits] += (gradient << kShift & kMostAxis << 16) | (gradient & kMostDiagonal);
     }
+  std::uint32_t by_direction[kBlockChannels] = {};
+  for (int octant = 0; octant < 8; ++octant) {
+    by_direction[kAxis[octant]] += by_octant[octant] >> 16;
+    by_direction[kDiagonal[octant]] += by_octant[octant] & 0xffff;
+  }
   for (int d = 0; d < kBlockChannels; ++d)
     sums[d] = static_cast<std::uint16_t>((by_direction[d] * kGains[d]) >> 7);
 }

@@ -181,7 +181,7 @@ void PartFit::calibrate(PartPoints* points) {
 
 /// What of the offset between the lids is left out where they are not as open as when it was noted, mm: lids that meet have none.
 float PartFit::shut_offset(const PartPoints& points, const PartSide& side) const {
-  if (!(side.open_mm > 0)) return 0;
+  if (!points.is_calibrated || !(side.open_mm > 0)) return 0;
   const float open = clamp(gap_of(points, side, read_mm_) / side.open_mm, 0, 1);
   return (1 - open) * gap_of(points, side, points.offset_mm);
 }

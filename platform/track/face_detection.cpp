@@ -59,6 +59,7 @@ std::size_t bytes_of_reading(const Model& model, const TrackerLimits& limits) {
 
 void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptions& options) {
   FaceDetectionState& self = face_detection_of(t);
+  self.face_search.expect({}, {});
   self.face_search.begin();
   self.person.is_known = false;
   self.begin_search(t, start, options);

@@ -22,7 +22,8 @@ void capture_others(TrackerParts& t, const FrameView&) {
   if (t.progress.bad_frames > 0) return;  // the surface is not where the estimator has it
   t.progress.rest = nullptr;
   t.placement.place(t.templates, t.estimator, t.region, t.markers, used_templates(t), t.limits.patches);
-  if (t.progress.uses_edges) t.limits.edges->start(t, used_templates(t));
+  // With very few templates the start has taken its edges at once.
+  if (t.progress.uses_edges && t.edges->count() == 0) t.limits.edges->start(t, used_templates(t));
   t.budget.give_half_to(t.budget.second_look);
   face_detection_of(t).look->is_captured = true;
 }

@@ -98,17 +98,19 @@ void TrackerParts::refine(const FrameView& view, const RoughStart& rough, StartP
   if (detection != nullptr) detection->calls->refine(*this, view, rough, from);
 }
 
-/// The rest of a start from points or a box. A fit that fails has overwritten what was known of the person, too.
+/// The rest of the caller's starts. A fit that fails has overwritten what was known of the person, too.
 Status TrackerParts::start_at_fit(Status fitted, const FrameView& frame_0, const RoughStart& rough,
                                   StartPose* from, const TrackerOptions& with,
                                   Span<const Vec2> marker_places) {
   begin_stream();
   const FrameView& view = quiet(frame_0);
-  given = {};
   const bool is_fitted = fitted == Status::ok;
   refine(view, is_fitted ? rough : RoughStart{nullptr, RoughStart::kExact, rough.options}, from);
   if (is_fitted) fitted = start(view, *from, with, marker_places);
-  if (fitted != Status::ok) offsets.clear();
+  if (fitted == Status::ok) return fitted;
+  offsets.clear();
+  // The search that follows is as the caller said, where the camera is one.
+  if (detection != nullptr && fitted != Status::bad_argument) detection->keep_start_of_caller(with);
   return fitted;
 }
 
@@ -124,10 +126,7 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const T
                                   of_estimator);
   progress.uses_edges = edges != nullptr && with.estimator.uses(Cue::edge);
   if (status == Status::ok) status = capture_frame_0(view, marker_places, with.marker_exclusion_px);
-  if (status != Status::ok) {  // the search that follows is as the caller said, where the camera is one
-    if (detection != nullptr && status != Status::bad_argument) detection->keep_start_of_caller(with);
-    return status;
-  }
+  if (status != Status::ok) return status;
   smooths = with.estimator.smooths;
   if (smooths) result.smoothed_pose = result.pose;
   order.note(view);
@@ -195,16 +194,14 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   const Status status = impl_->check_start(frame, options, markers);
   if (status != Status::ok) return status;
   if (q != nullptr && !are_finite(q, impl_->start_q.count)) return Status::bad_argument;
-  impl_->begin_stream();
   impl_->offsets.clear();
   for (std::size_t k = 0; k < impl_->start_q.count; ++k) impl_->start_q[k] = q == nullptr ? 0 : q[k];
   StartPose from{camera, pose};
   StartOptions known;
   known.camera = &camera;
-  const FrameView& quiet = impl_->quiet(frame);
-  impl_->refine(quiet, {nullptr, RoughStart::kExact, known}, &from);
   impl_->given = {q != nullptr, false};
-  return impl_->start(quiet, from, options, markers);
+  return impl_->start_at_fit(Status::ok, frame, {nullptr, RoughStart::kExact, known}, &from, options,
+                             markers);
 }
 
 Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoint> points,
@@ -226,6 +223,7 @@ Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoi
   const StartOptions known = with_copy(start, &found.camera);
   fit.camera = known.camera;
   t.offsets.clear();
+  t.given = {};
   status = t.fit_before_tracking([&](Arena& arena) {
     return fit_to_landmarks(arena, t.model(), points, t.limits.samples_vertices, fit, t.start_q.data, &found,
                             &t.offsets);
@@ -243,6 +241,7 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
     status = Status::bad_argument;
   if (status != Status::ok) return status;
   t.offsets.clear();
+  t.given = {};
   for (float& value : t.start_q) value = 0;
   StartPose found;
   const StartOptions known = with_copy(start, &found.camera);
