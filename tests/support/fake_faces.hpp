@@ -36,6 +36,7 @@ struct FakeFaces {
   int steps = 0;  ///< of alignments
   int searches = 0, alignments = 0, held_alignments = 0, verifications = 0;
   std::uint32_t work = 0;  ///< of the last search
+  pliant::Quat expected;   ///< rotation that the last detector was laid out for
 
   static constexpr std::size_t kDetectorBytes = 40'000, kAlignerBytes = 20'000;
 
@@ -81,7 +82,9 @@ Part* take(Arena& arena, std::size_t bytes) {
   return reinterpret_cast<Part*>(room);
 }
 
-inline FaceDetector* lay_out_detector(Arena& arena, const Model&, const FaceDetectorLimits&, const Quat&) {
+inline FaceDetector* lay_out_detector(Arena& arena, const Model&, const FaceDetectorLimits&,
+                                      const Quat& expected) {
+  if (FakeFaces::current() != nullptr) fake().expected = expected;  // null: the arena measures
   return take<FaceDetector>(arena, FakeFaces::kDetectorBytes);
 }
 

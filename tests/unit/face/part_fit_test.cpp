@@ -148,6 +148,26 @@ TEST_CASE("a start with shut eyes that is told to be open waits until the lids a
   CHECK(rig.blink() > 0.6f);
 }
 
+TEST_CASE("a start does not depend on the eyes of the track before") {
+  const auto blink_of_shut_start = [](bool had_open_eyes) {
+    Rig rig;
+    if (had_open_eyes) {
+      rig.read(film().view(0));
+      rig.fit->calibrate(&rig.points);
+      REQUIRE(rig.points.is_calibrated);
+    }
+    rig.read(film().view(1));
+    rig.fit->calibrate(&rig.points);
+    REQUIRE_FALSE(rig.points.is_calibrated);
+    for (Vec2& offset : rig.points.offset_mm) offset = {};
+    for (std::size_t k = 0; k < rig.points.count; ++k)
+      if (rig.points.in_gap(k) > 0) rig.points.offset_mm[k].y = 1;  // as after a change of the person
+    rig.fit->fit(1 / 30.0f, &rig.points);
+    return rig.blink();
+  };
+  CHECK(blink_of_shut_start(true) == blink_of_shut_start(false));
+}
+
 TEST_CASE("lids that meet are shut, also of a person whose open eyes are read too narrow") {
   const auto blink_of_shut_eyes = [](bool offset_fades) {
     Rig rig;

@@ -7,6 +7,7 @@
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
 #include "track/second_look.hpp"
+#include "track/tracker_sizes.hpp"
 
 namespace realignment_test {
 
@@ -214,6 +215,29 @@ TEST_CASE("where the templates stay away a new track begins, of the same person,
   float width;
   REQUIRE(tracker->parameter("faceWidth", &width) == Status::ok);
   CHECK(width == kWidth);
+}
+
+TEST_CASE("a new track takes its edges once, also with so few templates that it takes them at once") {
+  bool had_few = false;
+  for (const float contrast : {0.1f, 0.11f, 0.12f}) {
+    FaceFilm film = changed_film();
+    for (std::size_t k = kChange; k < kFrames; ++k)
+      for (std::uint8_t& grey : film.frames[k])
+        grey = static_cast<std::uint8_t>(100 + contrast * static_cast<float>(grey));
+    FakeFaces fake(film);
+    const TrackerLimits limits = limits_with_looks();
+    InArena<Tracker> tracker(baked_face().model, limits);
+    run(tracker.object, film);
+    if (!tracker->is_started()) continue;
+    std::size_t used = 0;
+    for (std::size_t k = 0; k < tracker->patch_count(); ++k) {
+      Vec2 x;
+      used += tracker->patch(k, &x);
+    }
+    had_few = had_few || (tracker->track_number() > 1 && used < 10);
+    CHECK(tracker->estimator().predict().count <= used + edge_points(limits));
+  }
+  CHECK(had_few);
 }
 
 TEST_CASE(

@@ -341,12 +341,15 @@ TEST_CASE("looks give no offsets to who wants the model's landmarks") {
   InArena<Tracker> tracker(baked_face().model, limits_with_looks());
   TrackerOptions options;
   options.keeps_landmark_offsets = false;
-  REQUIRE(tracker->start_by_detection({}, options) == Status::ok);
-  SUBCASE("alone") {}
-  SUBCASE("though a start that would have had them fails") {
+  SUBCASE("who searches") {
+    REQUIRE(tracker->start_by_detection({}, options) == Status::ok);
+  }
+  SUBCASE("whose start fails, though the search before it would have had them") {
+    REQUIRE(tracker->start_by_detection() == Status::ok);
     const NamedPoint one{"ibug30", {}};
     const NamedPoint points[] = {one, one, one, one, one};
-    REQUIRE(tracker->start_from_landmarks(film().view(0), {points, 5}) == Status::underdetermined);
+    REQUIRE(tracker->start_from_landmarks(film().view(0), {points, 5}, {}, options) ==
+            Status::underdetermined);
   }
   for (std::size_t k = 0; k < kFrames; ++k) update(tracker.object, film(), k);
   CHECK(fake.alignments > 1);
