@@ -91,8 +91,7 @@ class Estimator {
   /// Adds a point of a curve where the image has an edge. The normal of a prediction is perpendicular to the image of the curve,
   /// clockwise on the screen. \param along  direction of the curve in (u,v), of any length but zero. \return as add_point.
   Status add_edge_point(Vec2 uv, Vec2 along, std::uint16_t* id);
-  /// Adds edge points along one of the model's curves, `spacing_mm` apart on the present surface. The first
-  /// is half a spacing from the curve's start.
+  /// Adds edge points along a curve of the model, `spacing_mm` apart on the present surface; the first half as far from its start.
   /// \param count  out: points added; with capacity, those for which there was room.
   /// \return not_started, bad_argument (no count, no such curve, spacing <= 0), capacity.
   Status add_curve(std::size_t curve, float spacing_mm, Span<std::uint16_t> ids, std::size_t* count);
@@ -119,7 +118,8 @@ class Estimator {
   /// deviation, both finite, sd > 0. The state moves there. Nothing happens for a parameter that is not free.
   void expect(std::size_t parameter, float value, float sd);
   void save(State* state) const;  ///< Copies the present state out. Null arrays are left out.
-  /// Makes a saved state the predicted one, but for pose_sd, sd and the parameters that are not free.
+  /// Makes a saved state the predicted one, but for pose_sd, sd and the parameters that are not free. With predicted motion
+  /// (EstimatorOptions) only between `begin` and `end`, since `begin` predicts from what was measured.
   /// \return not_started, bad_argument (no q, not finite, or not `is_possible`); then nothing has changed.
   Status restore(const State& state);
 

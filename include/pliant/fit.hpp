@@ -75,13 +75,15 @@ struct FitReport {
   int iterations = 0;            ///< over all stages, also those that are made again
   std::size_t undetermined = 0;  ///< unknowns that the points and priors left open
   /// A-posteriori standard deviations of the view in the order of PoseUnknown: turn (rad), log s, offset
-  /// (mm), log rho. The last is 0 with a known focal length.
+  /// (mm), log rho. The last is 0 with a known focal length. Those of a robust fit include FitOptions::misfit_mm, or what the
+  /// residuals say if that is more.
   float pose_sd[kPoseUnknownsWithFocal] = {};
 };
 
 /// Further results of a fit. Null: not wanted.
 struct FitDetails {
-  /// A-posteriori standard deviation of each parameter. A frozen one gets 0, one that no point moves its prior's.
+  /// A-posteriori standard deviation of each parameter, as FitReport::pose_sd. A frozen one gets 0, one that no point moves its
+  /// prior's.
   float* sd = nullptr;
   /// Projected minus observed position of each point, px; of a matched silhouette point the part across the silhouette.
   Vec2* residuals = nullptr;

@@ -187,9 +187,13 @@ Status Smoother::add(const Pose& pose, const float* q, const float* range, std::
   const float b = follow_speed(shift, t.shift_gain, slow, seconds, &shift_speed_);
   pose_ = {normalised(exp_rotation(a * turn) * pose_.q), pose_.t + b * shift};
   for (std::size_t i = 0; i < parameters; ++i) {
+    if (!(range[i] > 0)) {  // held: it changes with the person, and the pose turns at once then, too
+      q_[i] = q[i];
+      continue;
+    }
     const float off = q[i] - q_[i];
     speed_[i] += slow * (rate * off - speed_[i]);
-    const float ranges = range[i] > 0 ? magnitude(speed_[i]) / range[i] : 0.0f;
+    const float ranges = magnitude(speed_[i]) / range[i];
     q_[i] += low_pass_gain(t.least_cutoff + t.parameter_gain * ranges, seconds) * off;
   }
   return Status::ok;

@@ -175,7 +175,7 @@ void VisibleSurface::project(const View& view) {
   for (VertexId v : mesh_.vertices()) {
     const Vec3 r = projector.rotated(position_[v]);
     const bool is_in_front = projector.project_rotated(r, &image_[v]);
-    depth_[v] = is_in_front ? kTuning.nominal_distance_mm + r.z : -1.0f;
+    depth_[v] = is_in_front ? max(kTuning.nominal_distance_mm + r.z, kTuning.nearest_mm) : -1.0f;
     if (!is_in_front) image_[v] = view.c;  // some read it all the same
   }
   images_are_current_ = true;
@@ -241,28 +241,34 @@ float VisibleSurface::nearest_on_mesh(Vec2 x, Vec2* uv) const {
 float VisibleSurface::surface_at(Cascade& cascade, const ModelState& state, Vec2 x, Vec2* uv) {
   if (!images_are_current_) project(state.view);
   const float distance = nearest_on_mesh(x, uv);
-  if (distance == 0) refine_uv(cascade, state, x, uv);
-  return distance;
+  if (distance != 0) return distance;
+  const float off = refine_uv(cascade, state, x, uv);
+  return off > kTuning.newton_far_px ? off : 0.0f;
 }
 
-void VisibleSurface::refine_uv(Cascade& cascade, const ModelState& state, Vec2 x, Vec2* uv) {
+float VisibleSurface::refine_uv(Cascade& cascade, const ModelState& state, Vec2 x, Vec2* uv) {
   const Projector projector(state.view, true);
   cascade.select(state.q, 0);
   Vec2 at = *uv;
-  for (int k = 0; k < kTuning.newton_steps; ++k) {
+  float flat = 1e30f;  // distance of the point on the flat face
+  for (int k = 0;; ++k) {
     const SurfaceFrame frame = cascade.selected_frame(at);
     Vec2 image;
     Projector::Derivatives d;
-    if (!projector.project(frame.p, &image, &d)) return;
+    if (!projector.project(frame.p, &image, &d)) return flat;
     const Vec2 along_u = d.along(frame.pu), along_v = d.along(frame.pv), off = x - image;
-    if (dot(off, off) < kTuning.newton_near_px * kTuning.newton_near_px) break;
+    const float distance = length(off);
+    if (k == 0) flat = distance;
+    if (distance < kTuning.newton_near_px || k == kTuning.newton_steps) {
+      *uv = at;
+      return distance;
+    }
     const Mat2 jacobian{along_u.x, along_v.x, along_u.y, along_v.y};
-    if (magnitude(determinant(jacobian)) < kTuning.newton_least_area_px2) return;
+    if (magnitude(determinant(jacobian)) < kTuning.newton_least_area_px2) return flat;
     const Vec2 step = inverse(jacobian) * off;
-    if (!(dot(step, step) < kTuning.newton_most_step * kTuning.newton_most_step)) return;
+    if (!(dot(step, step) < kTuning.newton_most_step * kTuning.newton_most_step)) return flat;
     at = {clamp(at.x + step.x, 0, 1), clamp(at.y + step.y, 0, 1)};
   }
-  *uv = at;
 }
 
 }  // namespace pliant

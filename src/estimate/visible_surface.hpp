@@ -20,8 +20,9 @@ struct VisibleSurfaceTuning {
   /// mesh fall on a cell.
   int cells_small = 40, cells_large = 48, small_mesh = 512;
   /// mm. Depths are compared at this nominal distance of the model's origin: self-occlusion depends on the shape and turn of
-  /// the model, and hardly on its distance, which the next solve changes.
-  float nominal_distance_mm = 1000;
+  /// the model, and hardly on its distance, which the next solve changes. What is farther than this before the origin counts as
+  /// being at `nearest_mm`: it hides what is behind it, but no other point there.
+  float nominal_distance_mm = 1000, nearest_mm = 1;
   /// mm. Vectors that move a vertex by less are left out of its samples. A hundredth of the model's own error.
   float sample_slack_mm = 0.01f;
   /// mm. Vectors that move a vertex by less are left out where its position comes from the tables, and where a mesh is
@@ -41,6 +42,8 @@ struct VisibleSurfaceTuning {
   /// They end below this distance in the image, px; and leave the point where it was for a step of more than this in (u,v), or
   /// where the image of the chart's unit square is less than this, px^2. Round values, not tuned.
   float newton_near_px = 1e-3f, newton_most_step = 0.1f, newton_least_area_px2 = 1e-3f;
+  /// A point that stays farther than this from where it should be seen, px, is not on the surface. Round value, not tuned.
+  float newton_far_px = 0.5f;
   /// Largest error of an adapted mesh over its mean error. Round value, not tuned.
   float most_over_mean_error = 4;
   /// Points of the contour kept for each silhouette point, count. The contour of a fine mesh has many.
@@ -122,8 +125,8 @@ class VisibleSurface {
   /// \return their distance in the image, px; 0 on the surface; negative when nothing is visible.
   float surface_at(Cascade& cascade, const ModelState& state, Vec2 x, Vec2* uv);
   /// Moves `uv`, of the mesh under x (px, pinhole), onto the surface by Newton's method, as the mesh is flat between its
-  /// vertices. Unchanged where that does not converge.
-  static void refine_uv(Cascade& cascade, const ModelState& state, Vec2 x, Vec2* uv);
+  /// vertices. Unchanged where that does not converge. \return how far from x the surface at `uv` is then seen, px.
+  static float refine_uv(Cascade& cascade, const ModelState& state, Vec2 x, Vec2* uv);
 
   const Mesh& mesh() const { return mesh_; }
   const Vec3* positions() const { return position_; }

@@ -265,6 +265,7 @@ bool Fitter::State::match_silhouette(const FitProblem& problem) {
 Status Fitter::State::finish(FitProblem& problem, FitReport* report, const FitDetails& details) {
   const std::size_t pose = problem.pose_unknowns();
   float* const variance = work.step;
+  problem.information = 1 / (problem.scale * problem.scale);  // with the model's own error
   problem.linearise(work.equations);
   work.equations.variances(variance);
   for (std::size_t k = 0; k < static_cast<std::size_t>(kPoseUnknowns); ++k)

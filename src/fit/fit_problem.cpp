@@ -75,7 +75,7 @@ float FitProblem::cost(const float* parameters, const View& v) const {
 
 void FitProblem::add_point(NormalEquations& equations, std::size_t point, const Projector::Derivatives& d,
                            const Jacobian& jacobian, Vec2 residual, float weight) {
-  const float w = weight / (points[point].sd_px * points[point].sd_px);
+  const float w = information * weight / (points[point].sd_px * points[point].sd_px);
   const Vec2 across = counted(point, {1, 0}), down = counted(point, {0, 1});  // the columns of n n^T, or of I
   work.row.add_to(equations, {d.pose, pose_unknowns()}, d, jacobian, residual,
                   {w * across.x, w * across.y, w * down.y});

@@ -37,6 +37,7 @@ struct FitProblem {
   View view{}, trial{};  // accepted and trial view
   Loss loss = Loss::huber;
   float scale = 1;  // robust scale sigma, in standard deviations of a point
+  float information = 1;                // of a point, over what its standard deviation alone would give
   const Vec3* held_position = nullptr;  // a point, mm, at q: only the pose is fitted; null: the shape, too
   bool focal_is_known = true;
   float prior_focal = 0;  // px

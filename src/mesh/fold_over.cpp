@@ -107,6 +107,7 @@ float FoldOverTest::step_fraction(const Vec3* from, const Vec3* to) const {
     const Vec3 da = end.a - e.a, db = end.b - e.b;
     const float c1 = dot(cross(e.a, db) + cross(da, e.b), n), c2 = dot(cross(da, db), n);
     first = min(first, first_root(c0, c1, c2));
+    if (!(dot(cross(end.a, end.b), n) > 0)) first = min(first, 1);  // though rounding has the root beyond it
   }
   return first > 1 ? 1.0f : kFoldOverTuning.safe_fraction * first;
 }

@@ -208,6 +208,16 @@ TEST_CASE("smoothing reduces noise at rest and lags little in motion") {
   CHECK(smooth->pose().t.x == far.t.x);
 }
 
+TEST_CASE("a parameter that is held is not smoothed: it changes at once, as the pose does with it") {
+  InArena<Smoother> smooth(std::size_t{2});
+  const float range[2] = {1, 0}, before[2] = {0, 0}, after[2] = {1, 1};
+  const Pose pose = pose_of(steady(0).view);
+  REQUIRE(smooth->add(pose, before, range, 2, 1 / 30.0f) == Status::ok);
+  REQUIRE(smooth->add(pose, after, range, 2, 1 / 30.0f) == Status::ok);
+  CHECK(smooth->parameters()[0] < 0.9f);
+  CHECK(smooth->parameters()[1] == 1);
+}
+
 TEST_CASE("the smoothed result stays finite, however short or long the time and however small a range") {
   constexpr float kNarrow[2] = {1, 1e-39f};
   for (const float seconds : {1e-45f, 1e-39f, 1e-30f, 1e-6f, 1e6f, 1e30f, 3e38f}) {

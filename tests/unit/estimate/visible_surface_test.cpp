@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "model_builder.hpp"
 #include "pliant/estimator_options.hpp"
 #include "posed_egg.hpp"
 #include "random.hpp"
@@ -200,6 +201,43 @@ TEST_CASE("surface_at inverts the projection") {
   }
   Vec2 uv;
   CHECK(rig.surface->surface_at(rig.egg.cascade.object, rig.egg.state, {5, 5}, &uv) > 50);
+}
+
+TEST_CASE("a surface of some metres is seen as a small one is") {
+  std::size_t on_surface[2];
+  for (const bool is_large : {false, true}) {
+    // A wall that is turned by 52 degrees about an edge that is far from the camera.
+    ModelBuilder b;
+    const float size = is_large ? 6000.0f : 300.0f;
+    b.record(Operation::constant, {}, {}, b.field(3, 9, 9, [&](float u, float v) {
+      return Vec3{size * u, size * (0.5f - v), 0};
+    }));
+    b.parameter("p", Group::expression, -1, 1, 1);
+    b.grid_mesh(8);
+    b.landmark("p", 0.5f, 0.5f);
+    const std::vector<std::uint32_t> words = b.table();
+    Model model;
+    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+    InArena<Cascade> cascade(model);
+    InArena<VisibleSurface> surface(model.parameters().count, VisibleSurfaceLimits{300, 0, 16, {}});
+    const Camera camera = centred_camera(640, 480, 500);
+    float q = 0;
+    ModelState state;
+    state.q = &q;
+    state.view = view_of({exp_rotation({0, 0.9f, 0}), {-0.3f * size, 0, 1.6f * size}}, camera);
+    REQUIRE(surface->start(model) == Status::ok);
+    surface->adapt(cascade.object, state, {});
+    Random random(3);
+    on_surface[is_large] = 0;
+    for (int k = 0; k < 200; ++k) {
+      const Vec2 uv{random.uniform(0.05f, 0.95f), random.uniform(0.05f, 0.95f)};
+      Vec2 x, back;
+      REQUIRE(Projector(state.view, true).project(cascade->surface_point(uv, &q), &x));
+      on_surface[is_large] += surface->surface_at(cascade.object, state, x, &back) == 0;
+    }
+  }
+  CHECK(on_surface[0] == 200);
+  CHECK(on_surface[1] == 200);
 }
 
 TEST_CASE("the contour has no points of the open boundary") {

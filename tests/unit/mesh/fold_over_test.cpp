@@ -72,6 +72,27 @@ TEST_CASE(
   CHECK(t.test->step_fraction(t.at({6, 0}).data(), rest.data()) == 1);
 }
 
+TEST_CASE("a step that folds a face over is never taken whole, however near its end the fold is") {
+  const Sheet sheet(4);
+  Tested t(sheet.model);
+  Random random(7);
+  for (int trial = 0; trial < 300; ++trial) {
+    const float lift = random.uniform(-3, 3);
+    float unfolded = 4.9f, folded = 5.1f;
+    for (int k = 0; k < 14 + trial % 8; ++k) {
+      const float middle = 0.5f * (unfolded + folded);
+      (t.test->count_folded(t.at({middle, lift}).data()) > 0 ? folded : unfolded) = middle;
+    }
+    // The root of the area along the step is rounded.
+    const auto to = t.at({folded, lift});
+    REQUIRE(t.test->count_folded(to.data()) > 0);
+    for (const float before : {unfolded, 4.99f, 4.0f, 0.0f, -2.0f}) {
+      const auto from = t.at({before, before == unfolded ? lift : random.uniform(-3, 3)});
+      CHECK(t.test->step_fraction(from.data(), to.data()) < 1);
+    }
+  }
+}
+
 TEST_CASE("the normals of the surface itself say the same at every point") {
   const Sheet sheet(4);
   Tested t(sheet.model);

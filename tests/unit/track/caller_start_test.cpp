@@ -157,6 +157,25 @@ TEST_CASE("boxes of all conventions, of one face, give about the same pose, with
   }
 }
 
+TEST_CASE("after a track a face is expected at its turn, until the caller asks for a search") {
+  const FaceFilm film(
+      320, 240, 40,
+      [](float s, Pose& pose, auto&) {
+        const auto k = static_cast<std::size_t>(s * 39 + 0.5f);
+        pose.q = exp_rotation({0, 0, 0.5f});
+        if (k >= 20) pose.t.x = 50 * pose.t.z;
+      },
+      0.5f);
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  for (std::size_t k = 0; k < 30; ++k) update(tracker.object, film, k);
+  REQUIRE_FALSE(tracker->is_started());
+  CHECK(fake.expected.z > 0.2f);
+  REQUIRE(tracker->start_by_detection() == Status::ok);
+  update(tracker.object, film, 30);
+  CHECK(fake.expected.z == 0);
+}
+
 TEST_CASE("who starts from a pose without landmark offsets gets none of another person who is found") {
   const FaceFilm film(
       320, 240, 40, [](float, Pose& pose, auto&) { pose.t.x = -0.2f * pose.t.z; }, 0.5f);
