@@ -1,36 +1,92 @@
 // Reads a video of any format through the ffmpeg program.
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "host/io/child_process.hpp"
+#include "host/io/numbers.hpp"
 #include "host/io/sources.hpp"
 
 namespace pliant::host {
 
 namespace {
 
+/// n / d frames a second; 0 where it is unknown.
+struct Rate {
+  long long n = 0, d = 0;
+  double per_second() const { return d > 0 ? static_cast<double>(n) / static_cast<double>(d) : 0; }
+};
+
+/// As a Y4M header has it, n:d; empty if it can have no such rate.
+std::string rate_text(Rate rate) {
+  constexpr int kMost = 999'999'999;  // nine digits are read
+  for (; rate.n > kMost || rate.d > kMost; rate.d /= 10) rate.n /= 10;
+  const bool is_possible = rate.per_second() >= 1e-3 && rate.per_second() <= 1e6;
+  return is_possible ? std::to_string(rate.n) + ":" + std::to_string(rate.d) : "";
+}
+
+/// Packets of a file that are read for their times: 11 minutes of 30 a second, for which ffprobe takes less than a second.
+constexpr int kMostPackets = 20'000;
+
+/// The times of a video's packets, in their order in the file.
+class PacketTimes {
+ public:
+  /// \param time_s  nothing where a packet has no time.
+  void add(std::optional<double> time_s) {
+    ++packets_;
+    // B-frames step back by a few frames; by more than a second a clock that begins anew, as in joined recordings.
+    is_usable_ = is_usable_ && time_s && *time_s > last_shown_ - 1;
+    // VP8 has pictures for reference that are not shown; they have the time of the frame before.
+    if (!is_usable_ || *time_s == before_) return;
+    first_shown_ = std::min(first_shown_, *time_s);
+    last_shown_ = std::max(last_shown_, *time_s);
+    before_ = *time_s;
+    ++frames_;
+  }
+  bool is_all() const { return packets_ < kMostPackets; }
+  Rate mean() const {
+    if (!is_usable_ || frames_ < 2) return {};
+    return {(frames_ - 1) * 1'000'000, std::llround((last_shown_ - first_shown_) * 1e6)};
+  }
+
+ private:
+  int packets_ = 0;
+  long long frames_ = 0;
+  double first_shown_ = HUGE_VAL, last_shown_ = -HUGE_VAL, before_ = -HUGE_VAL;  // s
+  bool is_usable_ = true;
+};
+
 /// Frames a second in the mean, n:d; empty if the program ffprobe, which comes with ffmpeg, does not tell. Of irregular times
-/// ffmpeg writes the smallest distance into the Y4M header.
+/// ffmpeg writes the smallest distance into the Y4M header, and many containers state a rate that is none of theirs.
 std::string mean_rate(const std::vector<std::string>& input) {
   std::vector<std::string> words{"ffprobe"};
   words.insert(words.end(), input.begin(), input.end());
-  const std::vector<std::string> shown{"-select_streams",       "v:0", "-show_entries",
-                                       "stream=avg_frame_rate", "-of", "default=nw=1:nk=1"};
-  words.insert(words.end(), shown.begin(), shown.end());
+  words.insert(words.end(),
+               {"-select_streams", "v:0", "-read_intervals", "%+#" + std::to_string(kMostPackets),
+                "-show_entries", "packet=pts_time:stream=avg_frame_rate,nb_frames", "-of", "default=nw=1"});
   const auto ffprobe = ChildProcess::start(words, ChildProcess::Pipe::from_output);
   if (ffprobe == nullptr) return "";
-  char line[64] = "";
-  if (std::fgets(line, sizeof line, ffprobe->stream()) == nullptr) return "";
-  int n = 0, d = 0;
-  if (std::sscanf(line, "%d/%d", &n, &d) != 2 || n <= 0 || d <= 0) return "";
-  for (constexpr int kMost = 999'999'999; n > kMost || d > kMost; d /= 10) n /= 10;  // nine digits are read
-  const double rate = static_cast<double>(n) / d;
-  if (!(rate >= 1e-3 && rate <= 1e6)) return "";  // as of a Y4M header
-  return std::to_string(n) + ":" + std::to_string(d);
+  PacketTimes times;
+  Rate stated;
+  long long counted = 0;  // frames, where the container has an index
+  for (char line[64]; std::fgets(line, sizeof line, ffprobe->stream()) != nullptr;) {
+    char time[32];
+    if (std::sscanf(line, "pts_time=%31s", time) == 1) times.add(parse_number(time));
+    std::sscanf(line, "avg_frame_rate=%lld/%lld", &stated.n, &stated.d);
+    std::sscanf(line, "nb_frames=%lld", &counted);
+  }
+  const Rate mean = times.mean();
+  // Times in milliseconds, or of a recorder's clock, give a constant rate to about this.
+  constexpr double kRelativeError = 0.01;
+  const bool agrees = std::abs(stated.per_second() - mean.per_second()) <= kRelativeError * mean.per_second();
+  const bool is_of_index = counted > 0 && !times.is_all();
+  return rate_text(mean.d == 0 || agrees || is_of_index ? stated : mean);
 }
 
 /// Null for anything else than a file: a pipe cannot be read twice.

@@ -108,18 +108,60 @@ TEST_CASE("the rate is the mean one that ffprobe tells, else that of ffmpeg's st
   put_program(folder, "ffmpeg", kTwoFrames);
   const SearchPath path(folder.path.string(), false);
   const std::string clip = folder.put("clip.mp4", "x");
+  const auto times = [](const std::vector<std::string>& all) {
+    std::string lines;
+    for (const std::string& time : all) lines += "pts_time=" + time + "\n";
+    return lines;
+  };
+  const std::string stated = "avg_frame_rate=30/1\nnb_frames=N/A\n", none = "avg_frame_rate=0/0\n";
   const struct {
     std::string says;
     double rate;
-  } kCases[] = {{"96/7", 96.0 / 7},   {"0/0", 25}, {"N/A", 25}, {"", 25}, {"1000000000/33366700", 29.97},
-                {"1/2000000000", 25}, {"1/2", 0.5}};
+  } kCases[] = {
+      {"avg_frame_rate=96/7\n", 96.0 / 7},
+      {none, 25},
+      {"avg_frame_rate=N/A\n", 25},
+      {"", 25},
+      {"avg_frame_rate=1000000000/33366700\n", 29.97},
+      {"avg_frame_rate=1/2000000000\n", 25},
+      {"avg_frame_rate=1/2\n", 0.5},
+      {times({"0.0", "0.1", "0.4"}) + stated, 5},           // what is stated is wrong
+      {times({"0.0", "0.1", "0.4"}) + none, 5},             // nothing is
+      {times({"0.0", "0.033", "0.067"}) + stated, 30},      // is right but for rounding
+      {times({"0.0", "0.4", "0.1", "0.2"}) + stated, 7.5},  // B-frames
+      {times({"0.0", "0.0", "0.1", "0.2"}) + stated, 10},   // a picture that is not shown
+      {times({"0.0", "N/A", "0.4"}) + stated, 30},
+      {times({"1.0", "1.0"}) + stated, 30},
+      {times({"0.0"}) + stated, 30},
+      {times({"0.0", "5.0", "0.0", "5.0"}) + stated, 30},  // joined recordings, each with a clock of its own
+      {stated + stated, 30},                               // a transport stream's is told twice
+  };
   for (const auto& c : kCases) {
     CAPTURE(c.says);
-    put_program(folder, "ffprobe", "printf '" + c.says + "\\n'\n");
+    put_program(folder, "ffprobe", "printf '" + c.says + "'\n");
     const OpenedFrames opened = open_frames(clip);
     REQUIRE(opened.source != nullptr);
     CHECK(opened.source->rate().per_second() == doctest::Approx(c.rate).epsilon(1e-5));
   }
+}
+
+TEST_CASE("of a long film the beginning is read, and the rate of an index counts, which knows the whole") {
+  const Folder folder;
+  put_program(folder, "ffmpeg", kTwoFrames);
+  const SearchPath path(folder.path.string(), false);
+  const std::string clip = folder.put("clip.mp4", "x");
+  const auto rate_where = [&](const std::string& frames) {
+    put_program(folder, "ffprobe",
+                "echo \"$@\" > \"${0%/*}/words\"\nseq -f pts_time=%g 20000\n"
+                "printf 'avg_frame_rate=24/1\\nnb_frames=" +
+                    frames + "\\n'\n");
+    const OpenedFrames opened = open_frames(clip);
+    REQUIRE(opened.source != nullptr);
+    return opened.source->rate().per_second();
+  };
+  CHECK(rate_where("N/A") == doctest::Approx(1));
+  CHECK(rate_where("90000") == doctest::Approx(24));
+  CHECK(contains(read_file(folder / "words"), "-read_intervals %+#20000 "));
 }
 
 TEST_CASE("a PNG with several frames is a video, whatever its name") {
@@ -225,6 +267,22 @@ TEST_CASE("ffmpeg itself reads what it wrote" *
   CHECK(end == Status::end_of_stream);
   const OpenedFrames bad = open_frames(folder.put("bad.mp4", "this is no video"));
   CHECK(contains(bad.message, "bad.mp4: cannot be read as a video: "));
+}
+
+TEST_CASE("times that are irregular give the mean rate in every container" *
+          doctest::skip(std::system("ffmpeg -version >/dev/null 2>&1") != 0)) {
+  const Folder folder;
+  // 30 a second, of which the second half has every fifth frame: 36 frames in 1.8333 s.
+  const std::string film =
+      "ffmpeg -v error -f lavfi -i testsrc=s=64x48:d=2:r=30 -vf 'select=lt(n\\,30)+not(mod(n\\,5))' -vsync "
+      "vfr ";
+  for (const char* name : {"a.mp4", "a.mkv", "a.ts", "a.avi"}) {
+    CAPTURE(name);
+    REQUIRE(std::system((film + "-c:v mpeg4 " + (folder / name)).c_str()) == 0);
+    const OpenedFrames opened = open_frames(folder / name);
+    REQUIRE(opened.source != nullptr);
+    CHECK(opened.source->rate().per_second() == doctest::Approx(35 / (55.0 / 30)).epsilon(0.01));
+  }
 }
 
 }  // namespace video_file_test
