@@ -85,6 +85,9 @@ run(${CMAKE_COMMAND} --install ${work}/subdirectory --prefix ${work}/of_subproje
 if(NOT EXISTS ${work}/of_subproject/include/pliant/tracker.hpp OR NOT EXISTS ${work}/of_subproject/bin/consumer)
   message(FATAL_ERROR "the project with pliant inside was not installed whole")
 endif()
+if(EXISTS ${work}/of_subproject/share/doc/consumer OR NOT EXISTS ${work}/of_subproject/share/doc/pliant/LICENSE)
+  message(FATAL_ERROR "pliant's documents are not in a folder of its own, but in that of the project it is part of")
+endif()
 
 # A program that is checked by the thread sanitizer, where there is one, comes as far as main.
 set(tsan -std=c++17 -O1 -fsanitize=thread -I${SOURCE}/include -I${SOURCE}/src -I${SOURCE}/platform)
