@@ -25,6 +25,8 @@ class FrameStream {
   bool is_live() const { return source_->is_live(); }
   /// Why `next` gave no frame; empty at the regular end.
   const std::string& message() const { return source_->message(); }
+  /// As FrameSource::note.
+  const std::string& note() const { return source_->note(); }
 
   /// The next frame, valid until the call after it. False at the end.
   bool next(FrameView* frame);

@@ -210,6 +210,7 @@ int run_track(const Args& args, Console& console) {
   if (output.has_no_pose())
     console.err << frames.name() << ": " << (model.print().empty() ? "no face" : "no print")
                 << " was found in any frame\n";
+  if (!frames.note().empty()) console.err << frames.note() << "\n";
   if (!output.failure().empty()) throw Failure(kBadInput, output.failure());
   if (watch.was_interrupted()) return frames.is_live() ? 0 : kInterrupted;
   if (frames.message().empty()) return 0;

@@ -18,16 +18,19 @@ namespace pliant::host {
 
 namespace {
 
-/// The last line of a file that is not blank.
-std::string last_line(std::FILE* file) {
+/// The last line of a file that is not blank and has `part` in it; empty if there is none.
+std::string last_line(std::FILE* file, std::string_view part) {
   constexpr long kEnd = 4096;  // bytes; lines of an error message are shorter
   if (std::fseek(file, -kEnd, SEEK_END) != 0) std::rewind(file);
   char bytes[kEnd];
-  const std::string text(bytes, std::fread(bytes, 1, sizeof bytes, file));
-  const std::size_t end = text.find_last_not_of(" \t\r\n");
-  if (end == std::string::npos) return "";
-  const std::size_t before = text.rfind('\n', end);
-  return trimmed(text.substr(before + 1, end - before));
+  std::string_view text(bytes, std::fread(bytes, 1, sizeof bytes, file));
+  while (!text.empty()) {
+    const std::size_t before = text.rfind('\n');
+    const std::string line = trimmed(text.substr(before + 1));
+    if (!line.empty() && line.find(part) != std::string::npos) return line;
+    text = text.substr(0, before == std::string_view::npos ? 0 : before);
+  }
+  return "";
 }
 
 }  // namespace
@@ -78,8 +81,8 @@ std::string ChildProcess::finish() {
   return line.empty() ? "failed" : line;
 }
 
-std::string ChildProcess::last_error() {
-  return last_line(errors_);
+std::string ChildProcess::last_error(std::string_view part) {
+  return last_line(errors_, part);
 }
 
 ChildProcess::~ChildProcess() {

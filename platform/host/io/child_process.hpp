@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace pliant::host {
@@ -29,7 +30,8 @@ class ChildProcess {
   /// failed, "failed" if it wrote none; empty on success.
   std::string finish();
   /// The last line that the program has written to standard error, whether it failed or not; empty without one.
-  std::string last_error();
+  /// \param part  that the line has in it.
+  std::string last_error(std::string_view part = "");
 
  private:
   ChildProcess(pid_t id, std::FILE* stream, std::FILE* errors) : id_(id), stream_(stream), errors_(errors) {}

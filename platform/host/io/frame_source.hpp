@@ -43,6 +43,8 @@ class FrameSource {
   bool is_live() const { return is_live_; }
   /// One line that names the file and the error; empty without an error.
   const std::string& message() const { return message_; }
+  /// After the last frame one line about a file that was read in spite of damage; empty without any.
+  const std::string& note() const { return note_; }
 
  protected:
   FrameSource() = default;
@@ -58,6 +60,7 @@ class FrameSource {
   FrameRate rate_;
   std::size_t count_ = 0;
   bool is_live_ = false;
+  std::string note_;
 
  private:
   std::uint32_t index_ = 0;

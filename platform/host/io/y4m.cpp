@@ -58,13 +58,17 @@ class Stream {
   }
   bool has_failed() const { return std::ferror(file_) != 0; }
   const std::string& name() const { return name_; }
-  // At the end of the data: what a program says of its failure, or of data that it could not read though it did not fail, as where
-  // a file is cut off; empty otherwise.
+  // At the end of the data: what a program says of its failure, or of a file that is cut off, for which it does not fail; empty
+  // otherwise.
   std::string why_it_ended() {
     if (program_ == nullptr) return "";
-    const std::string failure = program_->finish();
-    return failure.empty() ? program_->last_error() : failure;
+    std::string why = program_->finish();
+    for (const char* of_ffmpeg : {"ended prematurely", "partial file"})  // in Matroska; in MP4
+      if (why.empty()) why = program_->last_error(of_ffmpeg);
+    return why;
   }
+  // What a program has said last, whether it failed or not.
+  std::string last_error() { return program_ == nullptr ? "" : program_->last_error(); }
 
  private:
   std::unique_ptr<ChildProcess> program_;
@@ -127,8 +131,10 @@ class Y4mSource : public FrameSource {
     const std::string line = stream_->line(is_whole);
     if (stream_->has_failed()) return fail(Status::io_error, at(index) + ": " + std::strerror(errno));
     if (line.empty() && !is_whole) {
-      const std::string why = stream_->why_it_ended();
-      return why.empty() ? Status::end_of_stream : fail(Status::truncated, at(index) + ": ffmpeg: " + why);
+      const std::string why = stream_->why_it_ended(), said = stream_->last_error();
+      if (!why.empty()) return fail(Status::truncated, at(index) + ": ffmpeg: " + why);
+      if (!said.empty()) note_ = stream_->name() + ": was read to its end, though ffmpeg says: " + said;
+      return Status::end_of_stream;
     }
     const bool is_frame = line.compare(0, 5, "FRAME") == 0 && (line.size() == 5 || line[5] == ' ');
     if (!is_whole && (is_frame || std::string("FRAME").compare(0, line.size(), line) == 0))
@@ -172,7 +178,8 @@ OpenedFrames open_stream(std::unique_ptr<Stream> stream, const std::string& rate
   const std::string line = stream->line(is_whole);
   if (stream->has_failed()) return {nullptr, name + ": " + std::strerror(errno)};
   if (line.empty() && !is_whole) {
-    const std::string why = stream->why_it_ended();
+    const std::string failure = stream->why_it_ended(),
+                      why = failure.empty() ? stream->last_error() : failure;
     return {nullptr, name + (why.empty() ? ": is empty" : ": cannot be read as a video: " + why)};
   }
   Y4mHeader header;

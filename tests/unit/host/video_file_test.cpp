@@ -92,15 +92,33 @@ TEST_CASE("what ffmpeg says of its failure is told, at the start and after some 
 
 TEST_CASE("what ffmpeg says of a file that is cut off is told, though it does not call it a failure") {
   const Folder folder;
-  put_program(folder, "ffmpeg", kTwoFrames + std::string("echo 'ended prematurely' >&2\n"));
   const SearchPath path(folder.path.string(), false);
   const std::string clip = folder.put("clip.mkv", "x");
-  const OpenedFrames some = open_frames(clip);
-  REQUIRE(some.source != nullptr);
-  Status end;
-  CHECK(frame_count(*some.source, &end) == 2);
-  CHECK(end == Status::truncated);
-  CHECK(some.source->message() == clip + ": frame 2: ffmpeg: ended prematurely");
+  for (const std::string says : {"File ended prematurely at pos. 9", "stream 0, offset 0x7: partial file"}) {
+    put_program(folder, "ffmpeg", kTwoFrames + ("echo '" + says + "' >&2; echo 'Invalid data' >&2\n"));
+    const OpenedFrames some = open_frames(clip);
+    REQUIRE(some.source != nullptr);
+    Status end;
+    CHECK(frame_count(*some.source, &end) == 2);
+    CHECK(end == Status::truncated);
+    CHECK(some.source->message() == clip + ": frame 2: ffmpeg: " + says);
+    CHECK(some.source->note() == "");
+  }
+}
+
+TEST_CASE("what else ffmpeg says of a file that it reads to the end is a note, and the film is whole") {
+  const Sequence s;
+  put_program(s, "ffmpeg", "cat '" + s.video + "'; echo 'error while decoding MB 3 5' >&2\n");
+  const SearchPath path(s.path.string(), false);
+  auto words = s.track_words();
+  words[3] = s.put("clip.ts", "x");
+  const Ran r = run_words(words);
+  CHECK(r.code == 0);
+  CHECK(r.err == words[3] + ": was read to its end, though ffmpeg says: error while decoding MB 3 5\n");
+  CHECK(contains(r.out, "frames=12 "));
+
+  put_program(s, "ffmpeg", "echo 'nothing to decode' >&2\n");
+  check_refused(words, {"clip.ts: cannot be read as a video: nothing to decode"});
 }
 
 TEST_CASE("the rate is the mean one that ffprobe tells, else that of ffmpeg's stream") {
