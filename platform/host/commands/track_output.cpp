@@ -180,15 +180,18 @@ void TrackOutput::show(const TrackRow& row, const FrameStream& frames, const Fra
   if (is_on_sheet) sheet_.add([image] { return image; });
 }
 
-/// A disk that is full or a player that ends takes the pictures, not the track.
+/// A disk that is full takes the overlay, not the track.
 void TrackOutput::show(const Image& image) {
   try {
     if (overlay_) overlay_->write(image);
-    if (window_) window_->show(image);
   } catch (const Failure& failure) {
     failure_ = failure.what();
     overlay_.reset();
-    window_.reset();
+  }
+  try {
+    if (window_) window_->show(image);
+  } catch (const Failure& failure) {
+    failure_ = failure.what();
   }
 }
 

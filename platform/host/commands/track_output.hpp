@@ -40,8 +40,8 @@ class TrackOutput {
   /// \param milliseconds  that the update took; not counted for frame 0.
   void add(const FrameStream& frames, const FrameView& frame, ReducedTracker& tracker, double milliseconds);
 
-  /// Whether another frame is wanted: neither was the window of --show closed, nor has a file failed that is not the track.
-  bool goes_on() const { return failure_.empty() && (window_ == nullptr || window_->is_open()); }
+  /// Whether another frame is wanted: the window of --show was not closed, and has not failed.
+  bool goes_on() const { return window_ == nullptr || window_->is_open(); }
   /// Whether no frame so far has a pose.
   bool has_no_pose() const { return known_ == 0; }
   /// Why an overlay or a window failed; empty if none did. The track is to be kept.
