@@ -137,7 +137,9 @@ Command animate_command() {
       "N] [--tolerance "
       "MM] "
       "[--rate FPS] -o animation.glb|FOLDER/",
-      {{"--params", "CSV", "a track, or any table with its columns. Expressions are matched by name",
+      {{"--params", "CSV",
+        "a track, or any table with its columns; missing ones are neutral and frontal. Expressions are "
+        "matched by name",
         Takes::input},
        {"--identity", "JSON",
         "a fit of this model with the identity (default: that of the track, or the mean)", Takes::input},

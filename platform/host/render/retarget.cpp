@@ -94,12 +94,9 @@ bool is_lost(const CsvTable& table, std::size_t row, const std::vector<std::size
 std::vector<std::size_t> used_columns(const CsvTable& table, const Model& model, const Wiring& wiring,
                                       bool* has_pose) {
   std::vector<std::size_t> used;
-  *has_pose = true;
-  for (const char* name : {"qw", "qx", "qy", "qz", "tx", "ty", "tz"}) {
-    const auto column = table.find_column(name);
-    if (column) used.push_back(*column);
-    *has_pose = *has_pose && column.has_value();
-  }
+  for (const char* name : {"qw", "qx", "qy", "qz", "tx", "ty", "tz"})
+    if (const auto column = table.find_column(name)) used.push_back(*column);
+  *has_pose = !used.empty();
   for (std::size_t k = 0; k < model.parameters().count; ++k)
     used.insert(used.end(), wiring.columns_of(k).begin(), wiring.columns_of(k).end());
   return used;

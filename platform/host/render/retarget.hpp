@@ -24,7 +24,7 @@ struct Retargeted {
   std::vector<std::string>
       unscaled;  ///< columns that the source model has no parameter for: taken as they are
   std::vector<std::string> limited;  ///< driven parameters whose values exceed the limits and are clamped
-  bool has_pose = false;
+  bool has_pose = false;             ///< the track has columns of the pose; the others are frontal, at 1 m
   bool has_identity = false;  ///< the track has columns of identity
   std::size_t lost = 0;       ///< frames without pose and expression; they repeat the frame before
 };

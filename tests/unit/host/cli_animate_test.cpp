@@ -183,6 +183,24 @@ TEST_CASE("the head moves as the pose says, in axes with y up and z towards the 
   CHECK(node.at("scale").at(0).get<double>() == doctest::Approx(0.001));
 }
 
+TEST_CASE("columns of the pose that are missing are frontal, 1 m from the camera") {
+  const Folder f;
+  const std::string model = f.put("m.plm", model_bytes());
+  const auto moving = [&](const std::string& table) {
+    return animate({"animate", model, "--params", f.put("t.csv", table)}, f / "a.glb");
+  };
+  const Animation turned = moving("frame,qw,qx,qy,qz\n0,1,0,0,0\n1,0.8,0.6,0,0\n");
+  REQUIRE(turned.rotations.size() == 8);
+  CHECK(turned.rotations[4] == doctest::Approx(0.6));
+  REQUIRE(turned.translations.size() == 6);
+  CHECK(turned.translations[5] == doctest::Approx(-1));
+  const Animation shifted = moving("frame,qw,qx,qy,qz,tx,tz\n0,1,0,0,0,0,600\n1,1,0,0,0,50,600\n");
+  REQUIRE(shifted.translations.size() == 6);
+  CHECK(shifted.translations[3] == doctest::Approx(0.05));
+  CHECK(shifted.translations[4] == 0);
+  CHECK(moving("frame,jawOpen\n0,0\n1,1\n").rotations.empty());
+}
+
 TEST_CASE("one name drives a pair, a pair drives one, and names without effect are listed") {
   const Folder f;
   const std::string model = f.put("m.plm", model_bytes());
