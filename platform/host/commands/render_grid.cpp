@@ -28,23 +28,28 @@ struct NamedRows {
   std::vector<float> tones;
 };
 
+/// Brightness of the surface in a row; 1 without such a column or a value in it.
+float tone_in(const CsvTable& table, std::size_t row) {
+  const auto column = table.find_column("tone");
+  return column && !table.cell(row, *column).empty() ? clamp(table.number(row, *column), 0, 2) : 1;
+}
+
 NamedRows read_rows(const std::string& path, const Model& model, const PosedParameters& neutral,
                     bool has_tone, Console& console) {
   const CsvTable table(path, read_file(path));
   const std::size_t name = table.column("name");
   NamedRows out;
   std::vector<std::string> unmatched;
-  out.rows = read_posed_parameters(table, model, neutral, &unmatched);
+  out.rows = read_posed_parameters(table, model, neutral, &unmatched, EmptyCell::neutral);
   const auto is_ours = [&](const std::string& c) { return c == "name" || (has_tone && c == "tone"); };
   unmatched.erase(std::remove_if(unmatched.begin(), unmatched.end(), is_ours), unmatched.end());
   list_unmatched(unmatched, path, console.err);
   list_clamped(clamp_to_limits(model, out.rows), path, console.err);
   if (out.rows.empty()) fail_input(path, "has no rows");
   if (out.rows.size() > kMostPictures) fail_input(path, "has more than 64 rows");
-  const auto tone = has_tone ? table.find_column("tone") : std::nullopt;
   for (std::size_t r = 0; r < table.row_count(); ++r) {
     out.names.push_back(table.cell(r, name));
-    out.tones.push_back(tone ? clamp(table.number(r, *tone), 0, 2) : 1);
+    out.tones.push_back(has_tone ? tone_in(table, r) : 1);
   }
   return out;
 }

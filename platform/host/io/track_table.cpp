@@ -128,11 +128,12 @@ std::string track_line(const TrackRow& row) {
 
 std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const Model& model,
                                                    const PosedParameters& neutral,
-                                                   std::vector<std::string>* unmatched) {
+                                                   std::vector<std::string>* unmatched, EmptyCell empty) {
   const auto columns = targets(table, model, unmatched);
   std::vector<PosedParameters> rows;
   PosedParameters now = neutral;
   for (std::size_t r = 0; r < table.row_count(); ++r) {
+    if (empty == EmptyCell::neutral) now = neutral;
     for (const Target& target : columns) {
       if (table.cell(r, target.column).empty()) continue;
       const float value = table.number(r, target.column);

@@ -51,12 +51,16 @@ struct PosedParameters {
   std::vector<float> q;
 };
 
-/// Reads any CSV with columns of those names. A missing column keeps the value of `neutral`, an empty cell
-/// that of the row before. Columns that are neither parameters nor of the track CSV go to `unmatched`. Bad
-/// input for a cell that is no finite number, a quaternion that is not nearly of unit length, or a place out of range.
+/// What an empty cell stands for: in frames, which follow each other, the value of the row before.
+enum class EmptyCell { row_before, neutral };
+
+/// Reads any CSV with columns of those names. A missing column keeps the value of `neutral`. Columns that are neither parameters
+/// nor of the track CSV go to `unmatched`. Bad input for a cell that is no finite number, a quaternion that is not nearly of unit
+/// length, or a place out of range.
 std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const Model& model,
                                                    const PosedParameters& neutral,
-                                                   std::vector<std::string>* unmatched);
+                                                   std::vector<std::string>* unmatched,
+                                                   EmptyCell empty = EmptyCell::row_before);
 
 /// Writes one line that so many rows of a track are lost; nothing if none is. \param source  the file that has them.
 void list_lost(std::size_t lost, std::size_t rows, const std::string& source, std::ostream& err);

@@ -58,6 +58,23 @@ TEST_CASE("a grid shows each person in a column and each expression in a row") {
   for (int c = 0; c < 3; ++c) CHECK(cell(grid, 3, c, 2, 0).pixels != cell(grid, 3, c, 2, 1).pixels);
 }
 
+TEST_CASE("an empty cell of a grid's tables is neutral, and nothing of the row above") {
+  const Folder f;
+  const std::string model = f.put("m.plm", model_bytes());
+  const auto grid = [&](const char* person, const char* mood) {
+    const std::string people =
+        f.put("people.csv", "name,width,tone\nwide,3,1\nmean," + std::string(person) + "\n");
+    const std::string moods =
+        f.put("moods.csv", "name,jawOpen,qw,qy\nopen,1,0.8,0.6\nrest," + std::string(mood) + "\n");
+    const Ran r = run_words(
+        {"render", model, "--grid", f / "g.png", "--people", people, "--params", moods, "--size", "60x80"});
+    CAPTURE(r.err);
+    REQUIRE(r.code == 0);
+    return read_image(f / "g.png").pixels;
+  };
+  CHECK(grid(",", ",,") == grid("0,1", "0,1,0"));
+}
+
 TEST_CASE("grid says which parameters it clamps") {
   const Folder f;
   const std::string model = f.put("m.plm", model_bytes()),
