@@ -253,6 +253,7 @@ int run_points(const Args& args, Console& console) {
   write_file(output, fill_page(kPointsPage, {{"title", html_text(title)},
                                              {"data", script_json(json_text(data))},
                                              {"fit", kSurfaceFitScript},
+                                             {"file", kPointsFileScript},
                                              {"script", kPointsScript}}));
   console.out << output << ": " << handles.size() << (has_uv ? " points of the chart, " : " landmarks, ")
               << on_count

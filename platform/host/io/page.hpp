@@ -12,6 +12,7 @@ namespace pliant::host {
 /// The templates and scripts: the files in pages/.
 extern const char* const kPointsPage;
 extern const char* const kPointsScript;
+extern const char* const kPointsFileScript;
 extern const char* const kSurfaceFitScript;
 extern const char* const kReportPage;
 

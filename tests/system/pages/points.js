@@ -79,6 +79,11 @@ async function checkPoints({ browser, folder, pliant }) {
   assert(/not landmarks of this model: ear/.test(await browser.value(`load("landmark,x,y\\near,1,2\\nibug36,3,4\\n")`)));
   assert.deepStrictEqual([...await save()], [["ibug36", { x: 3, y: 4 }]]);
 
+  // A name of any characters comes back.
+  assert.strictEqual(await browser.value(`(() => { Object.assign(points[0], { name: 'corner, "upper"', isPlaced: true });
+    return load(csv()) || (points[0].isPlaced ? "" : "not on"); })()`), "");
+  await browser.value(`points[0].name = "ibug00"`);
+
   // `fit` reads the saved file.
   await browser.value(`document.getElementById("all-on").click()`);
   await browser.value(`(past.length = 1, undo())`);

@@ -293,9 +293,8 @@ addEventListener("keydown", e => {
 // ---- points.csv
 function csv() {
   const uv = p => data.hasUv ? `,${p.u},${p.v}` : "";
-  const quoted = name => /[",\n]/.test(name) ? `"${name.replace(/"/g, '""')}"` : name;
   return (data.hasUv ? "landmark,x,y,u,v,placed\n" : "landmark,x,y,placed\n") +
-    points.filter(isOn).map(p => `${quoted(p.name)},${p.x.toFixed(2)},${p.y.toFixed(2)}${uv(p)},${p.isPlaced ? 1 : 0}\n`).join("");
+    points.filter(isOn).map(p => `${csvCell(p.name)},${p.x.toFixed(2)},${p.y.toFixed(2)}${uv(p)},${p.isPlaced ? 1 : 0}\n`).join("");
 }
 function save() {
   const link = document.createElement("a");
@@ -307,7 +306,7 @@ function save() {
 /// Takes on the points of a file: those in it are on, and placed where it says unless its column `placed` has a 0; all others are
 /// off. Returns what was wrong, or "".
 function load(text) {
-  const rows = text.replace(/^\ufeff/, "").split(/\r?\n/).filter(line => line.trim()).map(line => line.split(",").map(cell => cell.trim().replace(/^"(.*)"$/, "$1")));
+  const rows = csvRows(text);
   const columns = ["landmark", "x", "y"].map(name => rows.length ? rows[0].indexOf(name) : -1);
   if (columns.includes(-1)) return "not a points file: the first line must have landmark, x and y";
   const column = rows[0].indexOf("placed");
