@@ -35,7 +35,8 @@ std::string last_line(std::FILE* file, std::string_view part) {
 
 }  // namespace
 
-std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>& words, Pipe pipe) {
+std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>& words, Pipe pipe,
+                                                  const std::string& input) {
   int ends[2];
   std::FILE* errors =
       ::fdopen(::memfd_create("errors", MFD_CLOEXEC), "w+b");  // a device may have no folder to write to
@@ -48,8 +49,8 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, theirs, reads ? STDOUT_FILENO : STDIN_FILENO);
-  posix_spawn_file_actions_addopen(&actions, reads ? STDIN_FILENO : STDOUT_FILENO, "/dev/null",
-                                   reads ? O_RDONLY : O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, reads ? STDIN_FILENO : STDOUT_FILENO,
+                                   reads ? input.c_str() : "/dev/null", reads ? O_RDONLY : O_WRONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, ::fileno(errors), STDERR_FILENO);
   // A program that is written to ends with its input, not with Ctrl-C, which ends the track.
   posix_spawnattr_t attributes;

@@ -16,8 +16,10 @@ class ChildProcess {
   enum class Pipe { from_output, to_input };
 
   /// Starts the program `words[0]`, which is looked for along PATH, with the other words as its arguments. There is no shell.
-  /// Without a pipe to it, its standard input is empty. \return null if there is no such program or it cannot be started.
-  static std::unique_ptr<ChildProcess> start(const std::vector<std::string>& words, Pipe pipe);
+  /// \param input  the file that is its standard input where there is no pipe to it; by default an empty one.
+  /// \return null if there is no such program or it cannot be started.
+  static std::unique_ptr<ChildProcess> start(const std::vector<std::string>& words, Pipe pipe,
+                                             const std::string& input = "/dev/null");
 
   /// Ends the program if it still runs.
   ~ChildProcess();

@@ -64,13 +64,14 @@ class PacketTimes {
 
 /// Frames a second in the mean, n:d; empty if the program ffprobe, which comes with ffmpeg, does not tell. Of irregular times
 /// ffmpeg writes the smallest distance into the Y4M header, and many containers state a rate that is none of theirs.
-std::string mean_rate(const std::vector<std::string>& input) {
+/// \param file  the program's standard input.
+std::string mean_rate(const std::vector<std::string>& input, const std::string& file) {
   std::vector<std::string> words{"ffprobe"};
   words.insert(words.end(), input.begin(), input.end());
   words.insert(words.end(),
                {"-select_streams", "v:0", "-read_intervals", "%+#" + std::to_string(kMostPackets),
                 "-show_entries", "packet=pts_time:stream=avg_frame_rate,nb_frames", "-of", "default=nw=1"});
-  const auto ffprobe = ChildProcess::start(words, ChildProcess::Pipe::from_output);
+  const auto ffprobe = ChildProcess::start(words, ChildProcess::Pipe::from_output, file);
   if (ffprobe == nullptr) return "";
   PacketTimes times;
   Rate stated;
@@ -136,17 +137,20 @@ OpenedFrames open_video(const std::string& path) {
   std::vector<std::string> input{"-v", "repeat+error", "-protocol_whitelist", "file,pipe"};
   // By the name .png ffmpeg would read the first frame alone.
   if (is_animated_png(path)) input.insert(input.end(), {"-f", "apng"});
-  input.insert(input.end(), {"-i", "file:" + path});
+  // In the name of a picture ffmpeg takes %d for the numbers of many, and would read those: there the file is standard input.
+  const bool has_percent = path.find('%') != std::string::npos;
+  const std::string file = has_percent ? path : "/dev/null";
+  input.insert(input.end(), {"-i", "file:" + (has_percent ? "/dev/stdin" : path)});
   const std::vector<std::string> frames{"-nostdin", "-map", "0:v:0?", "-vsync", "passthrough", "-vf", square},
       output{"-f", "yuv4mpegpipe", "-pix_fmt", "yuvj420p", "-strict", "-1", "-"};
   std::vector<std::string> words{"ffmpeg"};
   for (const auto& part : {input, frames, output}) words.insert(words.end(), part.begin(), part.end());
-  auto ffmpeg = ChildProcess::start(words, ChildProcess::Pipe::from_output);
+  auto ffmpeg = ChildProcess::start(words, ChildProcess::Pipe::from_output, file);
   if (ffmpeg == nullptr)
     return {
         nullptr,
         path + ": is no Y4M; the program ffmpeg would read it, but is not installed (apt install ffmpeg)"};
-  OpenedFrames opened = open_y4m_from(std::move(ffmpeg), path, mean_rate(input));
+  OpenedFrames opened = open_y4m_from(std::move(ffmpeg), path, mean_rate(input, file));
   if (opened.source == nullptr && is_animated_webp(path))
     opened.message =
         path + ": is an animated WebP, which this ffmpeg does not read; convert it, to GIF for example";

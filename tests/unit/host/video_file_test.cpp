@@ -287,6 +287,30 @@ TEST_CASE("ffmpeg itself reads what it wrote" *
   CHECK(contains(bad.message, "bad.mp4: cannot be read as a video: "));
 }
 
+TEST_CASE("a name with a percent sign is that file, not those of a pattern" *
+          doctest::skip(std::system("ffmpeg -version >/dev/null 2>&1") != 0)) {
+  const Folder folder;
+  const auto make = [&](const std::string& size, const std::string& ending, const std::string& name) {
+    const std::string made = folder / ("made" + ending);
+    const std::string command = "ffmpeg -v error -f lavfi -i testsrc=d=0.4:r=25:s=" + size + " ";
+    REQUIRE(std::system((command + (ending == ".bmp" ? "-frames:v 1 -update 1 " : "") + made).c_str()) == 0);
+    fs::rename(made, folder / name);
+  };
+  make("32x24", ".bmp", "s0.bmp");
+  make("64x48", ".bmp", "s%d.bmp");
+  make("64x48", ".mp4", "s%02d.mp4");
+  for (const auto& [name, frames] : {std::pair{"s%d.bmp", 1}, std::pair{"s%02d.mp4", 10}}) {
+    CAPTURE(std::string(name));
+    const OpenedFrames opened = open_frames(folder / name);
+    REQUIRE(opened.source != nullptr);
+    CHECK(opened.source->width() == 64);
+    CHECK(opened.source->rate().per_second() == 25);
+    Status end;
+    CHECK(frame_count(*opened.source, &end) == static_cast<std::size_t>(frames));
+    CHECK(end == Status::end_of_stream);
+  }
+}
+
 TEST_CASE("times that are irregular give the mean rate in every container" *
           doctest::skip(std::system("ffmpeg -version >/dev/null 2>&1") != 0)) {
   const Folder folder;
