@@ -189,7 +189,11 @@ TEST_CASE("the array of a file has the file's name, unless that is no name in C 
   CHECK(array_name("some.where/my-face.v2.cpp") == "my_face");
   for (const char* taken : {"new", "class", "int", "restrict", "typeof", "co_await", "size_t", "main", "std"})
     CHECK(array_name(std::string("folder/") + taken + ".cpp") == std::string("model_") + taken);
-  CHECK(array_name("newer.cpp") == "newer");
+  for (const char* taken :
+       {"log", "exp", "sinf", "sqrtl", "time", "signal", "free", "index", "wmemset", "abort"})
+    CHECK(array_name(std::string(taken) + ".c") == std::string("model_") + taken);
+  for (const char* name : {"newer", "logo", "self", "wolf", "f", "model", "head", "surface"})
+    CHECK(array_name(std::string(name) + ".cpp") == name);
   CHECK(array_name("3d.cpp") == "model_3d");
   CHECK(array_name("_Bool.cpp") == "model__Bool");
   CHECK(array_name(".cpp") == "model_");
