@@ -74,6 +74,10 @@ bool begin_soon(TrackerParts& t, const FrameView& frame, const NextTrack& next) 
   return false;
 }
 
+bool begins_soon(const TrackerParts& t) {
+  return t.progress.rest == begin_in_last;
+}
+
 std::size_t used_templates(const TrackerParts& t) {
   std::size_t count = 0;
   while (count < t.limits.patches && t.templates[count].is_used) ++count;

@@ -39,6 +39,8 @@ bool is_free(const TrackerParts& t);
 /// Begins a track with the next frame, in the picture of this one, whose time the track that ends has taken. At once where pictures
 /// do not last, or unless is_free. \return whether it was at once.
 bool begin_soon(TrackerParts& t, const FrameView& frame, const NextTrack& next);
+/// Whether the next frame begins such a track.
+bool begins_soon(const TrackerParts& t);
 
 /// The first templates of key frame 0 in a row that are in use, count: all that a start has captured.
 std::size_t used_templates(const TrackerParts& t);

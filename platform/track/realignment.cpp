@@ -99,8 +99,7 @@ Found find_at(const FaceBox& box, const Alignments& a, AlignedFace* face) {
   copy(a.own.q, t.model().parameters().count, a.room().q);
   if (a.detection.face_search.is_another(mean)) {
     copy(a.own.landmarks.data, a.own.landmarks.count, a.room().landmarks.data);
-    a.detection.begin_anew(t, a.frame, mean);
-    return Found::begun_anew;
+    return begin_soon(t, a.frame, {mean, false, a.frame.time_ns}) ? Found::begun_anew : Found::nowhere;
   }
   const bool is_there = a.align(mean.pose, face) == Status::ok && is_right(*face) &&
                         distance_between(t, a.own.landmarks, a.room().landmarks) <= kTuning.most_disagreement;

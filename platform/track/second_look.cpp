@@ -155,7 +155,7 @@ bool conclude(TrackerParts& t, const FrameView& frame) {
 }
 
 bool is_over(const TrackerParts& t) {
-  return t.key_frames.is_after_cut();
+  return !begins_soon(t) && t.key_frames.is_after_cut();
 }
 
 }  // namespace
