@@ -3,7 +3,6 @@
 /// Prediction and smoothing over time: a constant-velocity Kalman filter over pose and parameters, and a
 /// One-Euro filter for display (docs/algorithms.md, section 7.10).
 #include <cstddef>
-#include <cstdint>
 
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"

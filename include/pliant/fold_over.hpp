@@ -3,7 +3,6 @@
 /// Whether parameters make the surface fold over, and how far a step may go before it does (the paper, section 3.4: not
 /// every q is valid; docs/algorithms.md, section 3.5).
 #include <cstddef>
-#include <cstdint>
 
 #include "pliant/arena.hpp"
 #include "pliant/cascade.hpp"

@@ -3,8 +3,6 @@
 /// Frames from any camera that libcamera supports, as `FrameView`s of the camera's own memory.
 /// Linux only, in the library pliant::libcamera, which is built if libcamera is found. It uses the heap and a thread
 /// of libcamera.
-#include <chrono>
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>

@@ -1,7 +1,6 @@
 #pragma once
 /// \file pyramid.hpp
 /// A luma image at full, half, quarter ... size, in an arena.
-#include <cstddef>
 #include <cstdint>
 
 #include "pliant/arena.hpp"

@@ -1,8 +1,6 @@
 #pragma once
 /// \file visibility.hpp
 /// Self-occlusion of a posed mesh by a coarse depth buffer (docs/algorithms.md, section 7.8).
-#include <cstddef>
-
 #include "pliant/arena.hpp"
 #include "pliant/geometry.hpp"
 #include "pliant/mesh.hpp"

@@ -1,7 +1,6 @@
 #pragma once
 // The learnt table of the face detector: boosted trees over gradient cells with a rejection threshold after
 // each tree (a soft cascade). Little-endian, read in place, from flash.
-#include <cstddef>
 #include <cstdint>
 
 #include "face/gradient_cells.hpp"

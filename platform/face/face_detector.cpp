@@ -4,7 +4,6 @@
 #include "face/box_selection.hpp"
 #include "face/cell_strip.hpp"
 #include "face/detector_table.hpp"
-#include "face/face_detector_tuning.hpp"
 #include "face/search_place.hpp"
 #include "pliant/model.hpp"
 

@@ -1,7 +1,5 @@
 #pragma once
 // Where a sliding window is: size, strip and row.
-#include <cstdint>
-
 #include "pliant/face_box.hpp"
 
 namespace pliant {

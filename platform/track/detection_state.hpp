@@ -2,7 +2,6 @@
 /// \file detection_state.hpp
 /// Starts that a tracker makes by itself, and the verification of its tracks: what connects detection with the tracker.
 #include <cstddef>
-#include <cstdint>
 
 #include "pliant/face_box.hpp"
 #include "track/kept_start.hpp"

@@ -7,7 +7,6 @@
 #include "track/person_rows.hpp"
 #include "track/person_step.hpp"
 #include "track/tracker_parts.hpp"
-#include "track/tracker_sizes.hpp"
 
 namespace pliant {
 

@@ -1,6 +1,4 @@
 // The tracker: a composition of its parts. `update` is the pipeline: detect or predict, match, solve, conclude.
-#include <new>
-
 #include "base/integers.hpp"
 #include "track/template_tuning.hpp"
 #include "track/tracker_parts.hpp"

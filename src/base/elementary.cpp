@@ -1,5 +1,6 @@
 #include "base/elementary.hpp"
 
+#include <cstdint>
 #include <cstring>
 
 namespace pliant {

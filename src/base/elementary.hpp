@@ -1,7 +1,6 @@
 #pragma once
 // Elementary functions in double from + - * / only: the same bits on every target. For tables computed at set-up and for
 // initial values, not for inner loops.
-#include <cstdint>
 
 namespace pliant {
 

@@ -45,18 +45,13 @@ struct FrameSolverTuning {
 };
 inline constexpr FrameSolverTuning kFrameSolverTuning{};
 
-/// Upper bounds of the work of a frame's solves; `pliant plan` prints them.
-struct SolveWork {
-  int steps = 0;          ///< Gauss-Newton steps
-  int minimisations = 0;  ///< calls of FrameProblem::minimise
-};
-
-/// The bounds for a first pass and `solves` calls of `solve`, with at most `iterations` steps of each minimisation.
-constexpr SolveWork most_solve_work(int iterations, int solves) {
+/// Upper bound of the Gauss-Newton steps of a frame, count, for a first pass and `solves` calls of `solve`, with at most
+/// `iterations` steps of each minimisation. `pliant plan` prints it.
+constexpr int most_solve_steps(int iterations, int solves) {
   // The first pass and the first solve minimise with Huber's loss, then with Tukey's. The alternative does the same, and a
   // third time after rejected rows were taken back. Every later solve minimises with Tukey's loss.
-  const int full = 2 + 2 + 2 + (solves - 1);
-  return {full * iterations + kFrameSolverTuning.readmission_iterations, full + 1};
+  const int minimisations = 2 + 2 + 2 + (solves - 1);
+  return minimisations * iterations + kFrameSolverTuning.readmission_iterations;
 }
 
 struct FrameSolverLimits {

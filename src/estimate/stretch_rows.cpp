@@ -3,7 +3,6 @@
 #include <cstring>
 
 #include "model/table_check.hpp"
-#include "model/table_reader.hpp"
 
 namespace pliant {
 

@@ -1,5 +1,4 @@
 // Time, steps and accuracy of the solver on fitting problems that are text files. The optimum of each is known.
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>

@@ -1,8 +1,6 @@
 // Time and memory of the adaptive mesh: bare stellar operators, restricted refinement and simplification with
 // queues, refinement by the contour criterion, one budgeted pass. The base is a grid of basic blocks, squares cut by
 // alternating diagonals, on a gently curved patch.
-#include <algorithm>
-#include <chrono>
 #include <cstdlib>
 
 #include "host/bench/bench.hpp"

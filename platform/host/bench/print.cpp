@@ -1,5 +1,4 @@
 // `pliant bench print`: starts of a printed surface, rendered at known poses before photographs, and pictures without it.
-#include <algorithm>
 #include <cmath>
 #include <optional>
 

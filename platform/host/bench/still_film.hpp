@@ -2,7 +2,6 @@
 /// \file still_film.hpp
 /// Films made of photographs: what a camera on a shaking hand sees of a still scene, with its noise.
 #include <cstdint>
-#include <vector>
 
 #include "host/io/image.hpp"
 #include "pliant/frame.hpp"

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <functional>
 
 #include "host/bench/bench.hpp"
 #include "host/bench/rows.hpp"

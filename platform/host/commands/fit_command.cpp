@@ -7,7 +7,6 @@
 #include "host/commands/command.hpp"
 #include "host/commands/face_finder.hpp"
 #include "host/commands/image_fit.hpp"
-#include "host/io/calibration.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/ibug_names.hpp"

@@ -1,7 +1,5 @@
 #include "host/commands/image_fit.hpp"
 
-#include <algorithm>
-
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
 #include "host/io/words.hpp"

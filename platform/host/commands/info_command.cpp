@@ -1,5 +1,4 @@
 // `pliant info`: prints the contents of a model table and its memory at run time.
-#include <algorithm>
 #include <cstdio>
 #include <set>
 

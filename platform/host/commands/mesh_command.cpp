@@ -1,7 +1,5 @@
 // `pliant mesh`: adapts a model's mesh at given parameters, writes it and prints its error; or compares all criteria in a
 // figure and a table.
-#include <cmath>
-
 #include "host/commands/command.hpp"
 #include "host/commands/mesh_curve.hpp"
 #include "host/io/failure.hpp"

@@ -389,9 +389,8 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   }
   const Sizes sizes(model, limits);
   const EstimatorOptions options;
-  const SolveWork work = most_solve_work(options.iterations, kTemplateMatchTuning.rounds);
   plan.free_parameters = sizes.free;
-  plan.most_iterations = work.steps;
+  plan.most_iterations = most_solve_steps(options.iterations, kTemplateMatchTuning.rounds);
   add_picture_loads(sizes, plan.loads);
   add_limited_loads(sizes, limits, options, plan.loads);
   add_surface_loads(sizes, limits, options, plan.loads);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "host/commands/image_fit.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/fit_file.hpp"
 #include "host/io/track_table.hpp"

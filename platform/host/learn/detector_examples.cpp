@@ -1,7 +1,6 @@
 #include "host/learn/detector_examples.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "face/box_selection.hpp"
 #include "host/learn/detector_calibration.hpp"

@@ -1,6 +1,5 @@
 #include "host/learn/drawn_portraits.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "host/io/owned.hpp"

@@ -1,7 +1,6 @@
 #include "host/learn/face_sheet.hpp"
 
 #include <set>
-#include <string>
 #include <utility>
 
 #include "host/io/ibug_names.hpp"

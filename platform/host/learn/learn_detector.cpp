@@ -1,7 +1,6 @@
 #include "host/learn/learn_detector.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <iterator>

@@ -1,8 +1,5 @@
 #include "host/learn/photo_mesh.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace pliant::host::learn {
 
 namespace {

@@ -1,7 +1,6 @@
 #pragma once
 /// \file model_mesh.hpp
 /// A model's mesh, adapted to the surface at given parameters.
-#include <cstdint>
 #include <vector>
 
 #include "host/io/owned.hpp"

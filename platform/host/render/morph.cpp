@@ -1,7 +1,6 @@
 #include "host/render/morph.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "host/render/shown_mesh.hpp"
 

@@ -1,7 +1,6 @@
 #include "host/render/photo_texture.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "host/io/owned.hpp"
 #include "host/render/shown_mesh.hpp"
