@@ -17,7 +17,7 @@ float shared_area(const FaceBox& a, const FaceBox& b) {
 }
 
 // The area that two boxes share as a fraction of the smaller one: 1 for an eye within a face.
-float shared_part(const FaceBox& a, const FaceBox& b) {
+float shared_fraction(const FaceBox& a, const FaceBox& b) {
   const float side = min(a.side, b.side);
   return side > 0 ? shared_area(a, b) / (side * side) : 0;
 }
@@ -64,7 +64,7 @@ BoxHit BoxHits::take_best(int least_sum) {
       side += weight * hit.box.side;
       weights += weight;
     }
-    if (shared_part(first.box, hit.box) < kFaceDetectorTuning.same_face_part) hits_[kept++] = hit;
+    if (shared_fraction(first.box, hit.box) < kFaceDetectorTuning.same_face_fraction) hits_[kept++] = hit;
   }
   count_ = kept;
   const float by = 1 / weights;

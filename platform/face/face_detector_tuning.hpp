@@ -10,9 +10,9 @@ struct FaceDetectorTuning {
   int beyond_cells = 3;
   /// Smallest side of a reduced frame, px: the largest face box is 1.2 times the frame's smaller side. Not tuned.
   int smallest_level_px = 40;
-  /// Part of the smaller of two boxes above which the less clear hit goes: equal faces side by side are 0.6 sides apart or more,
-  /// and an eye within a face is no second one. Not tuned.
-  float same_face_part = 0.4f;
+  /// Fraction of the smaller of two boxes that they share, above which the less clear hit is dropped: equal faces side by side are
+  /// 0.6 sides apart or more, and an eye within a face is no second one. Not tuned.
+  float same_face_fraction = 0.4f;
   /// Overlap above which hits are averaged. Not tuned.
   float averaged_overlap = 0.5f;
   /// Ratio of sides, and distance of middles in sides, up to which a window is near a box: two sizes, since a face that

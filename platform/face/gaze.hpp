@@ -14,12 +14,12 @@ struct GazeTuning {
   Vec3 ball_mm = {0.75f, 2.6f, -4.5f};
   /// The iris' middle from that of the eyeball, mm: a sphere of 12 mm, cut where it is 11.8 mm wide.
   float iris_mm = 10.4f;
-  /// Part of the way, up and down, that an eye's corners go from where the model has them to where its crop is, which is
+  /// Fraction of the way, up and down, that an eye's corners go from where the model has them to where its crop is, which is
   /// where they are read. 0 is the model's place, and its error the gaze's; 1 is the readings' place, and their noise.
   /// Portraits and films of people left out of training, docs/experiments.md, Gaze: sd 6.7, 5.3, 4.9 and 4.6 degrees on
   /// portraits with 0, 0.5, 0.75 and 1; correlations on films 0.922, 0.924, 0.920 and 0.913.
   float corner_weight = 0.75f;
-  /// The upper lid follows the eye: part of its height that counts, the rest is the pupil's. On the same portraits, with
+  /// The upper lid follows the eye: fraction of its height that counts, the rest is the pupil's. On the same portraits, with
   /// corner_weight 0.75, sd 4.9 degrees with 0, 4.6 with 0.5, 4.7 with 0.6; on the films correlations of 0.920, 0.934, 0.932.
   float lid_weight = 0.5f;
   /// Height of the upper lid over the pupil of eyes that look ahead, mm: the mean of those portraits.
@@ -32,7 +32,7 @@ struct GazeTuning {
   /// Cosine of the head's turn away from the camera beyond which nothing is seen: the readers learnt from
   /// heads within 40 degrees.
   float least_facing = 0.766f;
-  /// Part of the way to what is seen that the gaze goes in a frame: eyes jump, and 0.5 follows in two frames.
+  /// Fraction of the way to what is seen that the gaze goes in a frame: eyes jump, and 0.5 follows in two frames.
   /// Not tuned.
   float rate = 0.5f;
 };

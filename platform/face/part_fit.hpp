@@ -18,7 +18,7 @@ struct PartFitTuning {
   /// Standard deviation of the readings' common shift, mm: what landmarks of a long track are off by, 2.5 %
   /// of the eyes' distance. Not tuned.
   float shift_mm = 2.5f;
-  /// The crop follows where the anchors are read: part of the way in each frame, and all of it, so many
+  /// The crop follows where the anchors are read: fraction of the way in each frame, and all of it, so many
   /// times, in the start's frame. Crops of portraits left out of training that are off by 0, 2 and 4 mm:
   /// median error of a gap 0.43, 0.50 and 0.60 mm without, 0.40, 0.41 and 0.42 mm with one move, 0.37, 0.39
   /// and 0.37 mm with two. 0.2 is not tuned.

@@ -80,7 +80,7 @@ std::size_t find_views(Span<const SurfaceMatch> matches, const Camera& camera, f
 
 View mirrored_tilt(const View& view, Quat front) {
   const Quat turn = view.q * conjugate(front);
-  // turn = tilt * roll, where roll is about the line of sight; w and z of the product are those of the roll, scaled.
+  // turn = tilt * roll, where roll is about the optical axis; w and z of the product are those of the roll, scaled.
   const Quat roll = normalised(Quat{turn.w, 0, 0, turn.z});
   const Quat tilt = turn * conjugate(roll);
   View mirrored = view;

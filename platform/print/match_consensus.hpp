@@ -35,8 +35,8 @@ bool is_similar(const SurfaceMatch& a, const SurfaceMatch& b);
 std::size_t find_views(Span<const SurfaceMatch> matches, const Camera& camera, float tolerance_mm,
                        Span<ViewVotes> views);
 
-/// The view's other reading where the surface is flat and perspective weak: tilted to the other side about
-/// the same line of sight. \param front  rotation of the view that sees the surface from the front.
+/// The view's second solution, where the surface is flat and perspective weak: tilted to the other side about the same
+/// optical axis. \param front  rotation of the view that sees the surface from the front.
 View mirrored_tilt(const View& view, Quat front);
 
 }  // namespace pliant

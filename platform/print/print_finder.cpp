@@ -23,9 +23,9 @@ struct PrintFinderTuning {
   float corner_sd_px = 0.7f;
   /// Deviation of the surface from the model, as a fraction of its extent (FitOptions::misfit_mm).
   float misfit_fraction = 0.01f;
-  /// Blocks by which one reading of the tilt is better than the other; else the smaller residual decides.
+  /// Blocks by which one solution is better than the other; else the smaller residual decides.
   int clear_difference = 4;
-  /// Ratio of residuals that is as clear, and cosine of half the angle within which two readings are one: 10 degrees.
+  /// Ratio of residuals that is as clear, and cosine of half the angle within which two solutions are one: 10 degrees.
   float clear_ratio = 1.3f, same_half_cosine = 0.996f;
   /// Spacing of a block's samples, as a fraction of the surface's extent in the frame, and its bounds, px.
   float block_fraction = 0.01f, least_block_px = 1, most_block_px = 4;
@@ -147,7 +147,7 @@ bool PrintFinder::fit_views(Span<const ViewVotes> views, const FrameView& frame,
   for (std::size_t k = 0; k < views.count && views[k].votes >= kTuning.least_votes; ++k) {
     FoundPrint candidate;
     seed_ = views[k].match;
-    if (!fit_readings(views[k].view, frame, camera, &candidate)) continue;
+    if (!fit_solutions(views[k].view, frame, camera, &candidate)) continue;
     if (is_found && !agrees_better(candidate.agreement, found->agreement)) continue;
     is_found = true;
     *found = candidate;
@@ -196,19 +196,19 @@ void PrintFinder::gather() {
   }
 }
 
-/// Fits the readings of a view, and keeps the best one that is accepted: as it is, and tilted to the other side (mirrored_tilt),
+/// Fits the solutions of a view, and keeps the best one that is accepted: as it is, and tilted to the other side (mirrored_tilt),
 /// where what bent towards the camera may bend away instead.
-bool PrintFinder::fit_readings(const View& start, const FrameView& frame, const Camera& camera,
-                               FoundPrint* found) {
+bool PrintFinder::fit_solutions(const View& start, const FrameView& frame, const Camera& camera,
+                                FoundPrint* found) {
   View rigid = start;
   FitReport report;
   for (float& value : q_) value = 0;
   if (!fit(frame, camera, false, kTuning.vote_fraction, &rigid, &report)) return false;
   Candidate best, other;
   View view = rigid;
-  for (std::size_t reading = 0; reading < kPrintTuning.readings; ++reading) {
+  for (std::size_t k = 0; k < kPrintTuning.solutions; ++k) {
     const Candidate candidate = fit_candidate(view, frame, camera);
-    if (reading == 0 && !is_promising(candidate.agreement)) return false;
+    if (k == 0 && !is_promising(candidate.agreement)) return false;
     if (!is_better(candidate, best)) {
       if (is_better(candidate, other)) other = candidate;
     } else {
@@ -216,8 +216,8 @@ bool PrintFinder::fit_readings(const View& start, const FrameView& frame, const 
       best = candidate;
       copy(q_.data, q_.count, best_q_.data);
     }
-    if (reading + 1 == kPrintTuning.readings) break;
-    view = tilted_back(reading == 0 ? candidate.view : rigid, reading == 0);
+    if (k + 1 == kPrintTuning.solutions) break;
+    view = tilted_back(k == 0 ? candidate.view : rigid, k == 0);
   }
   if (!best.is_accepted) return false;
   *found = {best.view, best.agreement, is_clear(best, other)};
@@ -249,7 +249,7 @@ bool PrintFinder::is_better(const Candidate& a, const Candidate& b) {
   return a.agreement.agreed + least > b.agreement.agreed && a.rms_px < b.rms_px;
 }
 
-/// Whether the second best reading is the same, or clearly worse.
+/// Whether the second best solution is the same, or clearly worse.
 bool PrintFinder::is_clear(const Candidate& best, const Candidate& other) {
   if (!other.is_accepted || best.agreement.agreed >= other.agreement.agreed + kTuning.clear_difference ||
       kTuning.clear_ratio * best.rms_px < other.rms_px)

@@ -50,7 +50,7 @@ class PrintFinder {
   bool fit_views(Span<const ViewVotes> views, const FrameView& frame, const Camera& camera,
                  FoundPrint* found);
   bool waits(const FoundPrint& found, bool is_quick);
-  bool fit_readings(const View& start, const FrameView& frame, const Camera& camera, FoundPrint* found);
+  bool fit_solutions(const View& start, const FrameView& frame, const Camera& camera, FoundPrint* found);
   View tilted_back(const View& view, bool bends);
   static bool is_clear(const Candidate& best, const Candidate& other);
   static bool is_better(const Candidate& a, const Candidate& b);

@@ -25,7 +25,7 @@ struct PrintTuning {
   int spread_interval = 3;
   std::size_t corner_tiles = 8, corner_candidates = 8;
   /// Bits that may differ in a match. Wrong matches cost time only: views are voted for and verified. 70, with one match a corner,
-  /// leaves too few on a small print (an other print, 66 px high: found in 3 of 8 instead of all); with two 74 finds as much as 80.
+  /// leaves too few on a small print (another print, 66 px high: found in 3 of 8 instead of all); with two 74 finds as much as 80.
   int most_distance = 80;
   /// Places of the surface that a corner is matched with, the nearest ones. Of frames of four surfaces in hard films
   /// (docs/experiments.md, Start by print) 147 were found with one, if it was a tenth nearer than any other, 166 with the nearest
@@ -37,9 +37,9 @@ struct PrintTuning {
   /// whose corners are found for one cell, cells of a descriptor, keypoints that a corner is compared with for one cell. Round
   /// values, not tuned.
   std::uint32_t pixels_per_cell = 50, cells_per_descriptor = 4, keypoints_per_cell = 100;
-  /// Views that are fitted at most, those with most votes first, and readings of each: time of a search's last frame. Of the same
+  /// Views that are fitted at most, those with most votes first, and solutions of each: time of a search's last frame. Of the same
   /// frames 170 were found with 3 views, 179 with 5, 182 with 8.
-  std::size_t most_views = 5, readings = 3;
+  std::size_t most_views = 5, solutions = 3;
   /// Matches and blocks that are fitted at most, count: time and memory of the fit. Fits to blocks, after those to corners, count:
   /// each finds blocks from a better view than the one before. Round values.
   std::size_t fitted_points = 96;

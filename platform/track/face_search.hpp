@@ -114,7 +114,7 @@ class FaceSearch {
   Status advance(const FrameView& frame, int* steps, AlignedFace* face);
   bool is_accepted(const AlignedFace& face, float evidence) const;
   void go_on();
-  Whom first_question() const;
+  Whom first_whom() const;
   void set_person(const AlignedFace& face, KnownPerson* person, StartPose* start);
 
   const FaceModules* modules_ = nullptr;

@@ -76,7 +76,7 @@ struct Sizes {
     identities = static_cast<double>(model.parameters().count - expressions);
     free = l.free_parameters > 0 ? std::min<std::size_t>(l.free_parameters, expressions) : expressions;
     all_records = static_cast<double>(model.cascade().count);
-    // Identity is baked into one field where there is room for it.
+    // The identity is personalised, that is sampled into one field, where there is room for it.
     const bool has_person = l.personal_field.width > 0;
     const double sampled = has_person ? static_cast<double>(expressions) + 2 : all_records;
     records = l.samples_per_point > 0 ? std::min<double>(l.samples_per_point, sampled) : sampled;
@@ -274,7 +274,7 @@ void add_print_loads(const Sizes& s, const TrackerLimits& limits, Plan& plan) {
   const char* const kTurned = "places of the print that turn away";
   plan.loads.push_back({kTurned, 0, further * blocks, place});
   plan.loads.push_back({"blocks where a key frame wants templates", 0, tries, kCost.print_block});
-  const double cells = limits.search_work, fits = static_cast<double>(kPrintTuning.readings);
+  const double cells = limits.search_work, fits = static_cast<double>(kPrintTuning.solutions);
   plan.search_loads.push_back({"cells of the search", cells, cells, kCost.print_cell});
   plan.search_loads.push_back({"fits of the print", 0, fits * static_cast<double>(kPrintTuning.most_views),
                                kCost.print_fit + kCost.print_fit_record * s.all_records});

@@ -77,20 +77,20 @@ SurfaceSheet::SurfaceSheet(const Model& model, const ChartTexture& texture, int 
     }
 }
 
-void SurfaceSheet::bake(const float* q) {
+void SurfaceSheet::sample_points(const float* q) {
   const auto parameters = cascade_->model().parameters();
   std::vector<float> identity;
   for (std::size_t k = 0; k < parameters.count; ++k)
     if (parameters[k].group == Group::identity) identity.push_back(q[k]);
-  if (is_baked_ && identity == sampled_for_) return;
+  if (is_sampled_ && identity == sampled_for_) return;
   for (std::size_t k = 0; k < uv_.size(); ++k)
     if (is_used(k)) cascade_->sample_point(uv_[k], q, samples_.data() + k * cascade_->samples_per_point());
   sampled_for_ = identity;
-  is_baked_ = true;
+  is_sampled_ = true;
 }
 
 void SurfaceSheet::set(const float* q) {
-  bake(q);
+  sample_points(q);
   for (std::size_t k = 0; k < uv_.size(); ++k)
     if (is_used(k)) position_[k] = cascade_->evaluate(samples_.data() + k * cascade_->samples_per_point(), q);
   compute_normals();

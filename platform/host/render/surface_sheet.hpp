@@ -57,7 +57,7 @@ class SurfaceSheet {
   Vec3 normal(std::size_t k) const { return normal_[k]; }
 
  private:
-  void bake(const float* q);
+  void sample_points(const float* q);
   void compute_normals();
 
   Owned<Cascade> cascade_;
@@ -66,7 +66,7 @@ class SurfaceSheet {
   std::vector<Vec2> uv_;
   std::vector<Vec3> position_, normal_, samples_;
   std::vector<float> sampled_for_;  // the identity with which samples_ were taken
-  bool is_baked_ = false;
+  bool is_sampled_ = false;
 };
 
 }  // namespace pliant::host
