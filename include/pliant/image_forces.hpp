@@ -66,8 +66,8 @@ class ForceRejector {
 
   Mcd mcd_;
   double whiten_[kForceMaxColumns * (kForceMaxColumns + 1) / 2] = {};  // L by rows, its pivots inverted
-  double factor_[kForceMaxColumns * (kForceMaxColumns + 1) / 2] =
-      {};  // of the estimated covariance, likewise
+  // Of the estimated covariance, likewise.
+  double factor_[kForceMaxColumns * (kForceMaxColumns + 1) / 2] = {};
   double unit_ = 1;
   float least_ = 0;  // squared length of a force that is never rejected
   std::size_t columns_ = 0;

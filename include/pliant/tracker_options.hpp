@@ -17,8 +17,8 @@ struct TrackerOptions {
   /// identity, which TrackerLimits::person estimates besides (without_person holds it). Null: the expressions. Read during the
   /// start.
   const std::uint8_t* is_free = nullptr;
-  float marker_exclusion_px =
-      8;  ///< no template is captured within this distance of a marker, px, at least 0
+  /// No template is captured within this distance of a marker, px, at least 0.
+  float marker_exclusion_px = 8;
   /// If false, `landmark` gives the positions of the model, without the offsets of a person, until landmarks are placed
   /// (Tracker::place_landmarks).
   bool keeps_landmark_offsets = true;

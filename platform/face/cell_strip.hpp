@@ -44,8 +44,8 @@ class CellStrip {
   std::uint8_t* lines_ = nullptr;       // kLines lines
   CellSums* sums_ = nullptr;            // kAround rows, in turn
   std::uint8_t* normalised_ = nullptr;  // one row with the apron
-  std::uint8_t* cells_ =
-      nullptr;  // kWindowCells rows in turn, then the same again, so that a window is contiguous
+  // kWindowCells rows in turn, then the same again, so that a window is contiguous.
+  std::uint8_t* cells_ = nullptr;
 };
 
 }  // namespace pliant

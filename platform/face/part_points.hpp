@@ -29,14 +29,14 @@ struct PartPoints {
   Vec2 uv[kMostPartReadings];                      // NaN-free; a pupil has none
   std::uint16_t landmark[kMostPartReadings] = {};  // of the model; kNone: the point is not fitted
   std::int8_t lid[kMostPartReadings] = {};         // 1: of the upper lid, -1: of the lower one
-  Vec2 offset_mm[kMostPartReadings] =
-      {};  // of the reading from the model's point in the start's frame, upright crop
+  // Of the reading from the model's point in the start's frame, upright crop.
+  Vec2 offset_mm[kMostPartReadings] = {};
   std::uint16_t parameter[kMostPartParameters] = {};
   float last[kMostPartParameters] = {};   // values
   float sd[kMostPartParameters] = {};     // of `last`; 0: nothing was read
   float start[kMostPartParameters] = {};  // values in the start's frame
-  float opens_mm[kMostPartParameters] =
-      {};  // the right eye's lids more than the left one's, a unit of the parameter
+  // The right eye's lids more than the left one's, a unit of the parameter.
+  float opens_mm[kMostPartParameters] = {};
   std::size_t parameter_count = 0;
   Vec3 gaze;                   // smoothed, in the model's axes; 0: not seen
   bool is_calibrated = false;  // false: the offsets are unknown and 0

@@ -87,8 +87,8 @@ class FaceChecks {
   int most_bad_frames_ = 0, blind_frames_ = 0;
   int frames_since_ = 0, bad_ = 0, good_ = 0;
   bool is_aligned_ = false;  // the track began where an alignment put it, not at the caller's landmarks
-  bool is_doubtful_ =
-      false;  // no check since an alignment found the person's shape has seen all parts of the face
+  // No check since the alignment that gave the person's shape has seen all parts of the face.
+  bool is_doubtful_ = false;
   float landmark_error_ = 0;
 };
 

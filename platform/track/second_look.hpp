@@ -73,8 +73,8 @@ struct SecondLookState {
   int realigned = 0;                        // frames since the last good one that `realign` has made good
   FaceBox suspected;  // where `realign` goes on after the bad frame before; side 0: at the last good place
   NextTrack next;     // which the next frame begins
-  PartPoints* readers =
-      nullptr;  // FaceDetectionState::parts, which is null until a new track has all its templates
+  // FaceDetectionState::parts; that is null until a new track has all its templates.
+  PartPoints* readers = nullptr;
   bool is_captured = false;  // it has got them: the readers begin in the next good frame
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);

@@ -33,8 +33,8 @@ struct ImageParts {
   Markers markers;
   Span<Observation> observations;
   std::uint16_t* prediction_index = nullptr;  // by id of a surface point
-  Span<unsigned char>
-      scratch;  // for what is done at one time: corners, a check, mesh adaptation if limits share its memory
+  // For what is done at one time: corners, a check, mesh adaptation if limits share its memory.
+  Span<unsigned char> scratch;
   Span<unsigned char> unused_between_frames;  // with the scratch in it
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
@@ -83,9 +83,8 @@ struct TrackerParts : ImageParts {
   Span<float> start_q;
   LandmarkOffsets offsets;
   SharedBlock block;
-  DetectionState* detection =
-      nullptr;  // null: the limits name no detection, or the model has no learnt tables
-
+  // Null: the limits name no detection, or the model has no learnt tables.
+  DetectionState* detection = nullptr;
   NoiseFilter* noise = nullptr;   // null: the limits name no smoothing, or the model is no face
   PersonState* person = nullptr;  // null: the limits name no estimation, or the model has no identity
 

@@ -19,8 +19,8 @@ class CascadePlan {
     kFollows = 1,   // its only source is the sampled record before
     kAddsHere = 2,  // follows, is an add_vector, and its derivatives are in the registers of its source
     kStores = 4,    // another record than the next sampled one reads its value, or it is the surface point
-    kMaySkip =
-        8,  // leaves its source as it is where its sample is zero, and only the next sampled record reads it
+    // Leaves its source as it is where its sample is zero, and only the next sampled record reads it.
+    kMaySkip = 8,
     kMultipliesHere = 16,  // as kAddsHere, of a product
   };
 
