@@ -16,6 +16,9 @@ namespace pliant {
 /// No position in an image is farther away, px: sums of squares stay finite.
 constexpr float kFarthestPx = 1e6f;
 
+/// Points that a fit needs: eight coordinates for the seven unknowns of pose and focal length.
+constexpr std::size_t kLeastFitPoints = 4;
+
 /// A surface point and its position in the image.
 struct Correspondence {
   Vec2 uv;             ///< in [0,1]^2
@@ -107,7 +110,7 @@ class Fitter {
   /// Estimates pose, camera and the free parameters. Cost: at most options.iterations linearisations of all points, three times
   /// that where the surface folds over; without a start also 50 of the pose alone, and about 50 of all more where the result is in
   /// doubt.
-  /// \param points  at least four.
+  /// \param points  at least kLeastFitPoints.
   /// \param q       all parameters: initial values, of free ones clamped to their ranges, and result. Null only for a model
   ///                without parameters.
   /// \return ok, or with nothing changed:

@@ -20,9 +20,9 @@ FaceDetectorLimits detector_limits(const TrackerLimits& limits) {
   return l;
 }
 
-/// Of a probability; at most 10,000.
+/// Of a probability.
 float odds(float probability) {
-  return probability / max(1 - probability, 1e-4f);
+  return probability / max(1 - probability, kTuning.least_contrary);
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ void LandmarkFit::lay_out(Arena& arena, const Model& model, std::size_t points, 
 }
 
 Status LandmarkFit::fit(Span<Correspondence> points, const FitOptions& options, float* q) {
-  if (points.count < kLandmarkFitTuning.least_points) return Status::too_few_points;
+  if (points.count < kLeastFitPoints) return Status::too_few_points;
   const float spread = spread_of(points);
   if (!(spread >= kLandmarkFitTuning.least_spread_px)) return Status::underdetermined;
   const float sd_px = kLandmarkFitTuning.point_sd_fraction * spread;

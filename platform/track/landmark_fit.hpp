@@ -27,8 +27,6 @@ struct LandmarkFitTuning {
   /// annotated at another position, must not be explained by an expression. 1 and 2 make starts from 5 points
   /// worse, 6 is no better.
   float expression_caution = 3;
-  /// Points that a fit needs: eight coordinates for the seven unknowns of pose and focal length.
-  std::size_t least_points = 4;
   /// Spread below which the points count as one spot, px. Round value, not tuned.
   float least_spread_px = 4;
 };

@@ -6,6 +6,7 @@
 
 #include "pliant/estimator.hpp"
 #include "pliant/frame.hpp"
+#include "vision/patch_tuning.hpp"
 
 namespace pliant {
 
@@ -20,11 +21,11 @@ struct PoorStartTuning {
   float light_ratio = 1.4f;
   /// Grey levels added to both, so that noise in the dark is no change. Round value.
   float dark_grey = 8;
-  /// Grey level from which on a pixel is clipped (as PatchTuning::highest_grey), and the fraction of the landmarks, clipped at a
+  /// Grey level from which on a pixel is clipped, and the fraction of the landmarks, clipped at a
   /// poor start, above which light hides the face: the track may then be degraded. Light three times too bright clips 0.53 to 0.79
   /// of them on the recorded face, light 2.4 times too bright 0.32 on a rendered one; none are clipped on faces at 0.4 of
   /// their size, of which few templates are captured, too.
-  int clipped_grey = 250;
+  int clipped_grey = patch::kPatchTuning.highest_grey;
   float most_clipped = 0.25f;
   /// Estimated landmark error up to which such a track is not degraded after all, fraction of the eyes' distance. Chosen on five
   /// people, again on eleven (docs/experiments.md, Poor starts; Expected error).

@@ -4,6 +4,7 @@
 
 #include "base/integers.hpp"
 #include "estimate/stretch_rows.hpp"
+#include "estimate/track_monitor.hpp"
 #include "pliant/frame_work.hpp"
 #include "pliant/tracker_limits.hpp"
 #include "track/template_tuning.hpp"
@@ -29,11 +30,11 @@ constexpr int region_height(const TrackerLimits& limits) {
                                                                           : limits.height;
 }
 
-/// Pixels at 320 px of image width, in those of a frame of another width.
+/// Pixels at an image width of kNominalWidthPx, in those of a frame of another width.
 constexpr float scaled_px(int frame_width, float px) {
-  return px * static_cast<float>(frame_width) / 320;
+  return px * static_cast<float>(frame_width) / kNominalWidthPx;
 }
-/// Pixels at 320 px of image width, in the frame's own.
+/// Pixels at an image width of kNominalWidthPx, in the frame's own.
 constexpr float scaled_px(const TrackerLimits& limits, float px) {
   return scaled_px(limits.width, px);
 }

@@ -27,7 +27,7 @@ bool is_near(Vec2 x) {
 
 /// Whether a focal length is 0, unknown, or one that a camera can have (is_possible, camera.hpp), px.
 bool is_focal_length(float px) {
-  return px >= 0 && px <= 1e7f;
+  return px >= 0 && px <= kLargestFocalPx;
 }
 
 /// The same options with a copy of the camera: that of the track which ends is in memory that the start uses.
@@ -211,7 +211,7 @@ Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoi
   Impl& t = *impl_;
   Status status = t.check_start(frame, options, markers);
   if (status == Status::ok && points.count > t.limits.start_points) status = Status::capacity;
-  if (status == Status::ok && points.count < kLandmarkFitTuning.least_points) status = Status::too_few_points;
+  if (status == Status::ok && points.count < kLeastFitPoints) status = Status::too_few_points;
   if (status == Status::ok) status = t.check_landmarks(points);
   if (status == Status::ok && !is_focal_length(start.focal_px)) status = Status::bad_argument;
   if (status != Status::ok) return status;

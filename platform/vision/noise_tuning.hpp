@@ -1,4 +1,6 @@
 #pragma once
+// Tuned constants of the noise filter.
+#include "vision/patch_tuning.hpp"
 
 namespace pliant {
 
@@ -7,8 +9,8 @@ struct NoiseTuning {
   /// Places that are compared, at most, count: the median of so many is known to 2 %. And at least: else nothing is known. Round
   /// values.
   int most_places = 4096, least_places = 256;
-  /// Grey levels beyond which a place is clipped, and its noise with it: as PatchTuning.
-  int darkest = 6, brightest = 249;
+  /// Grey levels beyond which a place is clipped, and its noise with it: those within which PatchTuning uses a pixel.
+  int darkest = patch::kPatchTuning.lowest_grey + 1, brightest = patch::kPatchTuning.highest_grey - 1;
   /// Noise over the frame's contrast from which on frames are smoothed, and from which on smoothed ones are again. Around one
   /// threshold they would be smoothed in turns: the recorded face, at threshold, then trembles by 0.185 instead of 0.115 px. How
   /// they were chosen: docs/experiments.md, Films of portraits with faults.

@@ -16,7 +16,7 @@ float exponential(float x) {
 }  // namespace
 
 bool is_possible(const Pose& pose, const Camera& camera) {
-  constexpr float kLargest = 1e7f, kRounding = 1.001f;
+  constexpr float kLargest = kLargestFocalPx, kRounding = 1.001f;
   constexpr float kNearest = 1 / (kMaxRho * kRounding), kFarthest = kRounding / kMinRho;
   const float lengths[] = {pose.t.x, pose.t.y, camera.cx, camera.cy, camera.f};
   for (const float length : lengths)

@@ -12,7 +12,7 @@ bool reaches(float fraction, std::size_t part, std::size_t all) {
 
 bool TrackMonitor::is_good(const SolveResult& result, float scale_ratio) const {
   const TrackMonitorTuning& t = kTrackMonitorTuning;
-  const float per_width = static_cast<float>(width_) / 320;
+  const float per_width = static_cast<float>(width_) / kNominalWidthPx;
   const bool enough = result.inliers >= t.least_inliers &&
                       reaches(t.least_inlier_fraction, result.inliers, result.searched) &&
                       reaches(t.least_inlier_fraction, result.patch_inliers, result.patches_searched);

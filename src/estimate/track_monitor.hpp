@@ -8,6 +8,9 @@
 
 namespace pliant {
 
+/// Image width that lengths in `Tuning`s refer to, px.
+inline constexpr float kNominalWidthPx = 320;
+
 /// Result of the last solve of a frame.
 struct SolveResult {
   std::uint16_t rows = 0;         ///< points with a usable observation

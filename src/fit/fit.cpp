@@ -141,7 +141,7 @@ Status Fitter::State::fit(Span<const Correspondence> points, const FitOptions& o
   const Status checked = check_points(points, options);
   if (checked != Status::ok) return checked;
   if (points.count > limits.points) return Status::capacity;
-  if (points.count < 4) return Status::too_few_points;
+  if (points.count < kLeastFitPoints) return Status::too_few_points;
   if (lie_on_a_line(points)) return Status::underdetermined;
   Cascade& cascade = work.cascade;
   const std::size_t parameters = cascade.parameter_count();
@@ -260,7 +260,7 @@ bool Fitter::State::match_silhouette(const FitProblem& problem) {
 }
 
 /// Writes standard deviations, residuals and counts of the accepted state.
-/// \return underdetermined if an unknown of the pose has no variance or fewer than four points have weight; `details` is
+/// \return underdetermined if an unknown of the pose has no variance or fewer than kLeastFitPoints have weight; `details` is
 ///         then unchanged.
 Status Fitter::State::finish(FitProblem& problem, FitReport* report, const FitDetails& details) {
   const std::size_t pose = problem.pose_unknowns();
@@ -278,7 +278,7 @@ Status Fitter::State::finish(FitProblem& problem, FitReport* report, const FitDe
     ++report->used;
     sum += dot(residual, residual);
   }
-  if (report->used < 4) return Status::underdetermined;
+  if (report->used < kLeastFitPoints) return Status::underdetermined;
   report->rms_px = square_root(sum / static_cast<float>(report->used));
   report->view = problem.view;
   report->undetermined = work.equations.undetermined_count();

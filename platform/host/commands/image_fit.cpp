@@ -26,9 +26,9 @@ Vec2 landmark_uv(const ModelFile& file, const NamedPoint& p) {
 
 std::vector<Correspondence> correspondences(const ModelFile& file, const std::string& source,
                                             const std::vector<NamedPoint>& points, bool match_silhouette) {
-  if (points.size() < kLandmarkFitTuning.least_points)
+  if (points.size() < kLeastFitPoints)
     fail_input(source, "too few points: " + std::to_string(points.size()) + ", at least " +
-                           std::to_string(kLandmarkFitTuning.least_points) + " are needed");
+                           std::to_string(kLeastFitPoints) + " are needed");
   if (points.size() > kMaxPoints) fail_input(source, "more than " + std::to_string(kMaxPoints) + " points");
   std::vector<Correspondence> out;
   for (const NamedPoint& p : points) {

@@ -113,7 +113,7 @@ GivenPoints points_in(const std::string& path, const std::string& text) {
 
 /// Whether a fit needs points of the chart beside the landmarks.
 bool has_few_landmarks(const Model& model) {
-  return model.landmarks().count < kLandmarkFitTuning.least_points;
+  return model.landmarks().count < kLeastFitPoints;
 }
 
 /// The landmarks; of a model that has few, also the vertices nearest to the corners, sides and middle of the chart. Given points

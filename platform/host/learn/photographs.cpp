@@ -55,7 +55,7 @@ bool fit_points(const Model& model, const std::vector<AnnotatedLandmark>& landma
     const Landmark& landmark = model.landmarks()[k];
     points.push_back({landmark.uv(), a.x, 1, is_silhouette_landmark(a.name.c_str())});
   }
-  if (points.size() < kLandmarkFitTuning.least_points) return false;
+  if (points.size() < kLeastFitPoints) return false;
   FitOptions options;
   options.width = out.picture.width;
   options.height = out.picture.height;
