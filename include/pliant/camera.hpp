@@ -48,6 +48,8 @@ bool is_possible(const Pose& pose, const Camera& camera);
 View view_of(const Pose& pose, const Camera& camera);
 Pose pose_of(const View& view);      ///< The pose of a view.
 Camera camera_of(const View& view);  ///< The camera of a view, without lens and with square pixels.
+/// Towards the camera, in the model's axes; unit. A turn about the optical axis does not change it.
+Vec3 camera_direction(const View& view);
 
 /// Unknowns of a view, in the order of the pose block of every solver: rotation increment (rad, applied on the left,
 /// in camera axes), log s, tau (mm), log rho. With a known focal length log rho follows log s and is not an unknown.

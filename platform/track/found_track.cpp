@@ -21,9 +21,11 @@ TrackerOptions with_present_mesh(const TrackerOptions& kept) {
 void capture_others(TrackerParts& t, const FrameView&) {
   if (t.progress.bad_frames > 0) return;  // the surface is not where the estimator has it
   t.progress.rest = nullptr;
-  t.placement.place(t.templates, t.estimator, t.region, t.markers, used_templates(t), t.limits.patches);
+  t.placement.place(t.templates, t.estimator, t.region, t.markers, t.templates.count_first(t.limits.patches),
+                    t.limits.patches);
   // With very few templates the start has taken its edges at once.
-  if (t.progress.uses_edges && t.edges->count() == 0) t.limits.edges->start(t, used_templates(t));
+  if (t.progress.uses_edges && t.edges->count() == 0)
+    t.limits.edges->start(t, t.templates.count_first(t.limits.patches));
   t.budget.give_half_to(t.budget.second_look);
   face_detection_of(t).look->is_captured = true;
 }
@@ -76,12 +78,6 @@ bool begin_soon(TrackerParts& t, const FrameView& frame, const NextTrack& next) 
 
 bool begins_soon(const TrackerParts& t) {
   return t.progress.rest == begin_in_last;
-}
-
-std::size_t used_templates(const TrackerParts& t) {
-  std::size_t count = 0;
-  while (count < t.limits.patches && t.templates[count].is_used) ++count;
-  return count;
 }
 
 void FaceDetectionState::begin_anew(TrackerParts& t, const FrameView& view, const AlignedFace& face) {

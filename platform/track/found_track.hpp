@@ -42,9 +42,6 @@ bool begin_soon(TrackerParts& t, const FrameView& frame, const NextTrack& next);
 /// Whether the next frame begins such a track.
 bool begins_soon(const TrackerParts& t);
 
-/// The first templates of key frame 0 in a row that are in use, count: all that a start has captured.
-std::size_t used_templates(const TrackerParts& t);
-
 /// Centres the crops of the part readers, and notes how this person's parts differ from the model.
 void calibrate_parts(TrackerParts& t, const FrameView& view);
 

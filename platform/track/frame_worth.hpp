@@ -1,7 +1,7 @@
 #pragma once
 // What a tracked frame of a face is worth. Inline, since a program for a microcontroller has one call of it.
+#include "pliant/camera.hpp"
 #include "track/face_checks.hpp"
-#include "track/key_frames.hpp"
 
 namespace pliant {
 

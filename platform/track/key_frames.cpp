@@ -20,11 +20,6 @@ constexpr float cosine_of(float angle) {
 
 }  // namespace
 
-Vec3 camera_direction(const View& view) {
-  const Vec3 towards = rotation_matrix(conjugate(view.q)) * Vec3{0, 0, -1};
-  return {towards.x, -towards.y, -towards.z};
-}
-
 Vec2 KeyDepths::of(std::size_t k) const {
   if (keys == nullptr || keys->view_of(k) == nullptr) return {};
   const Vec3 towards = Projector(*view, true).rotated(keys->direction_of(k));

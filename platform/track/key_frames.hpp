@@ -48,9 +48,6 @@ struct CoarseMotion {
   std::uint32_t compared_pixels = 0;  ///< of the thumbnails, in all
 };
 
-/// Towards the camera, in the model's axes; unit. A turn about the optical axis does not change it.
-Vec3 camera_direction(const View& view);
-
 /// Key frames, frame 0 among them, and thumbnails: this frame's, the last one's, the last good one's, and one a key frame.
 class KeyFrames {
  public:

@@ -1,17 +1,8 @@
 #include "track/known_person.hpp"
 
 #include "base/arrays.hpp"
-#include "track/key_frames.hpp"
 
 namespace pliant {
-
-namespace {
-
-bool is_frontal(const AlignedFace& face) {
-  return camera_direction(view_of(face.pose, face.camera)).z >= kKnownPersonTuning.least_frontal;
-}
-
-}  // namespace
 
 void IdentityReference::lay_out(Arena& arena, const Model& model) {
   parameters_ = model.parameters();
@@ -20,11 +11,11 @@ void IdentityReference::lay_out(Arena& arena, const Model& model) {
 
 void IdentityReference::set(const AlignedFace& face, const float* q) {
   copy(q, parameters_.count, q_);
-  is_frontal_ = is_frontal(face);
+  is_frontal_ = is_frontal(view_of(face.pose, face.camera));
 }
 
 bool IdentityReference::may_be(const AlignedFace& face, const float* q) const {
-  if (!is_frontal(face)) return true;
+  if (!is_frontal(view_of(face.pose, face.camera))) return true;
   float sum = 0, count = 0;
   for (std::size_t k = 0; k < parameters_.count; ++k) {
     if (parameters_[k].group == Group::expression) continue;

@@ -1,5 +1,6 @@
 #pragma once
 // Whom a tracker knows, and whether a face that comes is theirs.
+#include "pliant/camera.hpp"
 #include "pliant/face_aligner.hpp"
 #include "track/landmark_offsets.hpp"
 
@@ -14,6 +15,11 @@ struct KnownPersonTuning {
   float most_identity_distance = 0.23f, least_frontal = 0.94f;
 };
 inline constexpr KnownPersonTuning kKnownPersonTuning{};
+
+/// Whether a face is turned away from the camera so little that its alignment tells the person's shape.
+inline bool is_frontal(const View& view) {
+  return camera_direction(view).z >= kKnownPersonTuning.least_frontal;
+}
 
 /// The person whom the tracker knows. The arrays are the tracker's.
 struct KnownPerson {

@@ -4,6 +4,7 @@
 #include "model/ibug_names.hpp"
 #include "track/face_detection_state.hpp"
 #include "track/found_track.hpp"
+#include "track/known_person.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/realignment.hpp"
 #include "track/tracker_parts.hpp"
@@ -37,10 +38,6 @@ void SecondLookState::stop(FrameBudget& budget) {
 namespace {
 
 constexpr const SecondLookTuning& kTuning = kSecondLookTuning;
-
-bool is_frontal(const View& view) {
-  return camera_direction(view).z >= kTuning.least_frontal;
-}
 
 /// How many looks an alignment of this frame counts for that is better than the start; 0: it is not.
 int count_better(TrackerParts& t, const AlignedFace& face, Span<const Vec2> landmarks) {
@@ -85,7 +82,7 @@ void settle(TrackerParts& t, const FrameView& frame) {
   detection.look->is_captured = false;
   detection.parts = detection.look->readers;
   calibrate_parts(t, frame);
-  detection.poor_start.begin(used_templates(t), t.limits.patches, frame, t.estimator);
+  detection.poor_start.begin(t.templates.count_first(t.limits.patches), t.limits.patches, frame, t.estimator);
 }
 
 void begin_track(TrackerParts& t) {

@@ -29,17 +29,14 @@ struct SecondLookTuning {
   std::uint32_t wait_if_better = 25;
   /// Landmark error that the second alignment estimates, at most: over the larger of the start's estimate and the checks'. It must
   /// not be above the smaller one either. Below the second number one look is enough: chosen on eleven people (docs/experiments.md,
-  /// Expected error).
+  /// Expected error). A start that was turned (is_frontal, known_person.hpp) gives way to the first frontal look that estimates no
+  /// larger error, and to a turned one that is sure. Heads that are found turned by 60 degrees (docs/experiments.md, Covered
+  /// starts) then have a rotation error of 2.4 instead of 3.2 degrees (median).
   float most_error_ratio = 0.95f, sure_error_ratio = 0.8f;
   /// Mean distance of the landmarks from the tracked ones, at least, fraction of the eyes' distance: below, little is gained.
   float least_distance = 0.02f;
   /// Probability that the second alignment is right, at least. Round value, not tuned.
   float least_score = 0.95f;
-  /// Cosine of the turn away from the camera up to which alignments tell a person's shape: as
-  /// KnownPersonTuning::least_frontal. A start that was turned more gives way to the first look within it that estimates no
-  /// larger error, and to a turned one that is sure. Heads that are found turned by 60 degrees (docs/experiments.md, Covered
-  /// starts) then have a rotation error of 2.4 instead of 3.2 degrees (median).
-  float least_frontal = 0.94f;
   /// Other looks count for the mean of the landmarks: cosine of the turn away from the camera, at least (26 degrees, as of a face
   /// above the camera of a laptop); estimated landmark error, at most, fraction of the eyes' distance and of the start's. The start
   /// counts as two looks, since a look's distances from the track have the track's own errors, too; and a look for a tenth, at
@@ -63,9 +60,9 @@ struct NextTrack {
 struct SecondLookState {
   const FaceModules* modules = nullptr;
   FaceAligner* aligner = nullptr;
-  float start_error =
-      0;  // landmark error of the alignment that the person is known from, as it estimates it; 0: there was none
-  bool began_turned = false;  // that alignment's face was turned by more than `least_frontal`
+  // Landmark error that the alignment of this person's start estimated; 0: there was no alignment.
+  float start_error = 0;
+  bool began_turned = false;                // that alignment's face was not frontal (is_frontal)
   std::uint32_t wait = 0, frames_left = 0;  // from one look to the next, and of that
   int steps_left = 0;                       // of the alignment; 0: none is under way
   int agreed = 0;                           // looks in a row that found better landmarks

@@ -54,6 +54,13 @@ class TemplateStore {
   /// Whether the slot holds the first template of a point.
   bool is_first(std::size_t slot) const { return templates_[slot].is_used && templates_[slot].first == slot; }
 
+  /// Templates in use in the first slots without a gap, count: all that a start has captured. \param most  slots that are counted.
+  std::size_t count_first(std::size_t most) const {
+    std::size_t used = 0;
+    while (used < most && templates_[used].is_used) ++used;
+    return used;
+  }
+
   /// The key frame that a slot belongs to.
   std::size_t key_of(std::size_t slot) const;
 

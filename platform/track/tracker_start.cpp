@@ -169,9 +169,7 @@ Status TrackerParts::capture_frame_0(const FrameView& view, Span<const Vec2> mar
   key_frames.clear();
   placement.place(templates, estimator, region, markers, 0,
                   first_templates > 0 ? first_templates : limits.patches);
-  std::uint16_t captured = 0;
-  for (std::size_t k = 0; k < limits.patches; ++k)
-    captured = static_cast<std::uint16_t>(captured + templates[k].is_used);
+  const auto captured = static_cast<std::uint16_t>(templates.count_first(limits.patches));
   std::size_t points = captured;
   if (progress.uses_edges) points += limits.edges->start(*this, captured);
   if (captured < kTrackerTuning.least_templates || points < kTrackMonitorTuning.least_inliers)

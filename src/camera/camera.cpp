@@ -44,6 +44,11 @@ Camera camera_of(const View& view) {
   return {view.s / view.rho, view.c.x, view.c.y};
 }
 
+Vec3 camera_direction(const View& view) {
+  const Vec3 towards = rotation_matrix(conjugate(view.q)) * Vec3{0, 0, -1};
+  return {towards.x, -towards.y, -towards.z};
+}
+
 View moved(const View& view, const float* step, int unknowns) {
   View out = view;
   out.q = normalised(exp_rotation({step[kTurnX], step[kTurnY], step[kTurnZ]}) * view.q);

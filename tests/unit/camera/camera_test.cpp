@@ -24,6 +24,29 @@ View random_view(Random& random) {
 }
 }  // namespace
 
+TEST_CASE(
+    "the direction of the camera: unit, ahead of a frontal face, and the same when the picture is turned") {
+  const Vec3 ahead = camera_direction(View{});
+  CHECK(ahead.x == 0);
+  CHECK(ahead.y == 0);
+  CHECK(ahead.z == 1);
+  Random random(5);
+  for (int k = 0; k < 100; ++k) {
+    const View view = random_view(random);
+    const Vec3 towards = camera_direction(view);
+    CHECK(dot(towards, towards) == doctest::Approx(1).epsilon(1e-5));
+    // A point moved along it comes nearer and stays where it is seen, but for perspective.
+    const Vec3 moved = Projector(view, true).rotated(towards);
+    CHECK(moved.x == doctest::Approx(0).epsilon(1e-5));
+    CHECK(moved.y == doctest::Approx(0).epsilon(1e-5));
+    CHECK(moved.z == doctest::Approx(-1).epsilon(1e-5));
+    View turned = view;
+    turned.q = exp_rotation({0, 0, random.uniform(-3, 3)}) * view.q;
+    const Vec3 same = camera_direction(turned) - towards;
+    CHECK(dot(same, same) < 1e-10f);
+  }
+}
+
 TEST_CASE("the pinhole projection with the documented axes") {
   // A frontal face 1000 mm away: the subject's left is to the right of the picture, up is up.
   const Camera camera = centred_camera(320, 240, 500);
