@@ -35,7 +35,7 @@ struct FrameResult {
   TrackState state = TrackState::lost;  ///< what the frame is worth
   Pose pose;  ///< of this frame, after a bad one of the last good frame; without a track frontal, 1000 mm away
   std::uint16_t tracked = 0;            ///< points with a usable observation
-  std::uint16_t inliers = 0;  ///< points with weight at the end of the solve, which may be bad where the frame was aligned instead
+  std::uint16_t inliers = 0;            ///< points with weight at the solve's end, also if it failed (7.15)
   float rms_px = 0;                     ///< of the inliers; of an edge, across it
   std::uint16_t iterations = 0;         ///< of all solves of the frame
   std::uint16_t vertices = 0;           ///< of the mesh

@@ -95,11 +95,11 @@ struct FitDetails {
 
 /// Fits one model to one image at a time.
 ///
-/// The result never folds the surface over (fold_over.hpp): where a stage leads to a fold-over, the
-/// parameters move back towards where the stage began, and the pose is fitted again. Silhouette points are
-/// matched to the model's silhouette (silhouette.hpp) at the present pose: a point stays at its own (u,v) while
-/// that faces the camera; afterwards it takes the nearest point of the silhouette within reach, and only its
-/// distance across the silhouette counts.
+/// A result that folds the surface over (fold_over.hpp) is not kept: the fit is made again, each stage that leads to a fold-over is
+/// moved back towards where it began, and the pose is fitted again. The test takes positions as linear in the parameters: where a
+/// rotation is large, a fold-over may remain. Silhouette points are matched to the model's silhouette (silhouette.hpp) at the
+/// present pose: a point stays at its own (u,v) while that faces the camera; afterwards it takes the nearest point of the
+/// silhouette within reach, and only its distance across the silhouette counts.
 /// Bytes: 12 for each point and record of the cascade, 40 a point, 4 n^2 + 130 n for n unknowns (all parameters, and 7 of
 /// the view), 36 a vertex and 12 a face of the base mesh, and a Cascade: 210 kB with the default limits and the built-in face.
 class Fitter {

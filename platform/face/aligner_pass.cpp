@@ -103,7 +103,8 @@ void AlignerPass::describe_place(int i, int j, const AlignerStage& stage, std::u
   gradients_.describe(at, stage.cells, stage.cell_px, out);
 }
 
-/// Where a local stage wants a landmark that is seen at x. Its block and the mirrored block are left in block_ and mirrored_.
+/// The position that a local stage predicts for a landmark seen at x. Leaves its block and the mirrored one in block_ and
+/// mirrored_.
 Vec2 AlignerPass::predict_local(const AlignerTable& table, const AlignerStage& stage, const LocalWeights& w,
                                 std::size_t t, Vec2 x) const {
   const std::size_t bytes = block_bytes(stage), other = table.mirrored(t);
@@ -131,7 +132,7 @@ void AlignerPass::predict_components(const AlignerStage& stage, const GlobalWeig
     }
 }
 
-/// Where a global stage wants a landmark that is seen at x.
+/// The position that a global stage predicts for a landmark seen at x.
 Vec2 AlignerPass::predict_global(const AlignerStage& stage, const GlobalWeights& w, std::size_t t,
                                  Vec2 x) const {
   Vec2 mm{w.mean[2 * t], w.mean[2 * t + 1]};

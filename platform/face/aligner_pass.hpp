@@ -54,7 +54,7 @@ class AlignerPass {
   void run_stage(const AlignerTable& table, std::size_t stage);
   /// The last stage's displacements at the present pose, without a step, and what its blocks say.
   AlignerEvidence weigh(const AlignerTable& table);
-  /// Of landmark k, after `weigh`: where it is seen, and where the last stage wants it; px of the frame.
+  /// Of landmark k, after `weigh`: its projection, and the position that the last stage predicts; px of the frame.
   Vec2 image(std::size_t k) const { return image_[k]; }
   Vec2 target(std::size_t k) const { return target_[k]; }
 

@@ -26,7 +26,7 @@ struct PartPoints {
   PartTable table;
   PartSide side[2 * kMostParts];
   std::size_t side_count = 0, count = 0;
-  Vec2 uv[kMostPartReadings];                      // NaN-free; a pupil has none
+  Vec2 uv[kMostPartReadings];                      // finite; unused for a pupil
   std::uint16_t landmark[kMostPartReadings] = {};  // of the model; kNone: the point is not fitted
   std::int8_t lid[kMostPartReadings] = {};         // 1: of the upper lid, -1: of the lower one
   // Of the reading from the model's point in the start's frame, upright crop.

@@ -50,6 +50,7 @@ struct PrintFinderTuning {
 };
 constexpr PrintFinderTuning kTuning;
 
+/// The surface at its pose, as the lens shows it.
 struct PosedSurface {
   Cascade* cascade;
   const float* q;

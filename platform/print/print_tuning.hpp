@@ -9,6 +9,7 @@
 
 namespace pliant {
 
+/// Tuning of the search for a print. Each constant: unit, reason, experiment.
 struct PrintTuning {
   /// Corners, in the print as in the frame: side of a cell and least distance, px, least measure (grey/px)^2,
   /// and least ratio of the eigenvalues. Round values.

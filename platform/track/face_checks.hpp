@@ -9,9 +9,10 @@ namespace pliant {
 
 /// Tuning of the checks. Each constant: unit, reason, experiment.
 struct FaceChecksTuning {
-  /// Frames from a check of a running track to the next: until the person counts as known, or while the estimated landmark error
-  /// is above `doubtful_error`; and else. After a bad check the next frame is checked. A check costs a fifth of a frame. With 6
-  /// the fault films are as with 2, with 6 whatever the error it took up to 10 frames more until a face was right again.
+  /// Frames from one check of a running track to the next: until the person is known, or while the estimated landmark error is
+  /// above `doubtful_error`; and otherwise. After a bad check the next frame is checked. A check costs a fifth of a frame. The
+  /// fault films are tracked alike with 2 and with 6 for the second number. With 6 whatever the error, up to 10 frames more passed
+  /// until a face was right again.
   int check_interval_frames = 2, known_interval_frames = 6;
   /// Work of a check with the built-in face's learnt tables, instructions as WorkCosts, counted with profiles S and M.
   float check_work = 2.5e6f;

@@ -9,6 +9,7 @@
 
 namespace pliant {
 
+/// What a tracker of faces keeps: search, checks, poor starts, the person, the readers of the eyes.
 struct FaceDetectionState : DetectionState {
   FaceSearch face_search;
   FaceChecks checks;

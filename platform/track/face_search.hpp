@@ -34,8 +34,9 @@ struct FaceSearchTuning {
   /// Work of the search in a frame, cells, from which on a frame has alignments besides: one of six steps takes two thirds of them.
   /// Round value, not tuned.
   std::uint32_t cells_for_both = 12000;
-  /// Cells of the search that cost as much as a step of an alignment. On the Cortex-M7 a step takes 5 million instructions and
-  /// so many cells 4; on a PC half as much, where the default search of 24,000 cells leaves three alignments of six steps.
+  /// Cells of the search that cost as much as a step of an alignment: so many take 2.0 million instructions on a PC, and a step at
+  /// most 1.8 (`pliant plan`); on a Cortex-M7 4 and at most 3.4 (docs/evaluation.md, Work on a Cortex-M7). The default search of
+  /// 24,000 cells leaves three alignments of six steps.
   std::uint32_t cells_a_step = 1300;
   /// Probability that an alignment is right, at least, for a start of the caller's to be moved there. Round value.
   float least_refined = 0.5f;
@@ -43,7 +44,7 @@ struct FaceSearchTuning {
   /// ratio of the sides, at most. Round values, not tuned (docs/experiments.md, Boxes of others).
   int most_box_alignments = 4;
   float most_box_shift = 0.1f, most_box_ratio = 1.15f;
-  /// Points of a start from landmarks from which on the picture is not asked, count. Round value, not tuned.
+  /// Points of a start from landmarks from which on the face is not aligned in the picture, count. Round value, not tuned.
   std::size_t enough_points = 12;
 };
 inline constexpr FaceSearchTuning kFaceSearchTuning{};

@@ -1,5 +1,5 @@
 #pragma once
-// What searches and second looks share. Inline, since a program for a microcontroller then has nothing of second looks.
+// What searches and second looks share. Inline: a program without second looks links nothing of found_track.cpp's starts.
 #include "face/ibug_landmarks.hpp"
 #include "track/face_detection_state.hpp"
 #include "track/tracker_parts.hpp"
@@ -20,7 +20,7 @@ inline float distance_from_track(TrackerParts& t, Span<const Vec2> landmarks) {
                        [&](std::size_t k, Vec2* x) { return t.offsets.project(k, t.estimator, x); });
 }
 
-/// Of a tracker that has the detection of faces.
+/// The detection state. \pre the tracker's detection is of faces.
 inline FaceDetectionState& face_detection_of(TrackerParts& t) {
   return *static_cast<FaceDetectionState*>(t.detection);
 }
@@ -36,8 +36,9 @@ inline KnownPerson& person_of(TrackerParts& t) {
 /// Whether the caller has said nothing that a new start would lose: who it is, or where landmarks or markers are.
 bool is_free(const TrackerParts& t);
 
-/// Begins a track with the next frame, in the picture of this one, whose time the track that ends has taken. At once where pictures
-/// do not last, or unless is_free. \return whether it was at once.
+/// Begins a new track in the picture of this frame: with the next call of `update` if the picture is kept until then
+/// (TrackerLimits::keeps_previous) and the caller has given nothing (is_free), since this frame still belongs to the track that
+/// ends; else at once. \return whether it began at once.
 bool begin_soon(TrackerParts& t, const FrameView& frame, const NextTrack& next);
 /// Whether the next frame begins such a track.
 bool begins_soon(const TrackerParts& t);

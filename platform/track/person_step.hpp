@@ -8,6 +8,7 @@ namespace pliant {
 
 struct TrackerParts;
 
+/// A change of the person during a track, which is prepared over several frames.
 struct PersonStep {
   bool is_under_way = false;
   Vec3 turn;                        // rotation of the start that the step adds

@@ -31,21 +31,21 @@ struct Alignments {
   const FaceModules& modules() const { return *detection.look->modules; }
   AlignmentRoom room() const { return detection.face_search.room(); }
 
-  /// From that pose, as the same person, into the room of the search.
+  /// Aligns from `pose`, with the known person held. Results go to the room of the search.
   Status align(const Pose& pose, AlignedFace* face) const {
     copy(t.estimator.parameters().data, t.model().parameters().count, room().q);
     return modules().refine(aligner, frame, t.estimator.camera(), pose,
                             detection.face_search.of_known_person(), face, room().q, room().landmarks);
   }
 
-  /// From the mean face in a box, as anybody, with the roll of the last good frame.
+  /// Aligns the mean face in a box, all parameters free, with the roll of the last good frame. Results go to `to`.
   Status align_in(const FaceBox& box, const AlignmentRoom& to, AlignedFace* face) const {
     const float roll = roll_of_turn(turn_of(t.estimator.view().q));
     return align_in_box(modules(), aligner, frame, box, roll, t.estimator.camera(), to, face);
   }
 };
 
-/// In memory that nothing keeps until the next frame.
+/// Lays out the aligner, and the room of its own, in memory that is unused between frames.
 Alignments begin(TrackerParts& t, const FrameView& frame) {
   FaceDetectionState& detection = face_detection_of(t);
   Arena scratch(t.unused_between_frames.data, t.unused_between_frames.count);
@@ -56,6 +56,7 @@ Alignments begin(TrackerParts& t, const FrameView& frame) {
   return {t, frame, detection, aligner, own};
 }
 
+/// Result of an alignment in a bad frame: no face; the tracked person; another person, whose track has begun.
 enum class Found { nowhere, here, begun_anew };
 
 FaceBox box_of(const TrackerParts& t, const AlignedFace& face, Span<const Vec2> landmarks) {
@@ -67,8 +68,9 @@ float distance_between(const TrackerParts& t, Span<const Vec2> a, Span<const Vec
   return mean_distance(t.model(), a, places_of(b));
 }
 
-/// Near the last good pose, in `face` and the room of the search. If that is away from there, or not surely right, the mean face is
-/// aligned in the box of the result, too. Where that comes out elsewhere, and is far more certain, the next frame begins.
+/// Aligns from the last good pose. If the result is away from there, or not right, the mean face is aligned in its box, too. Where
+/// that comes out elsewhere, and is far more certain, the next frame begins there (find_at).
+/// \param face  out: the first alignment; its parameters and landmarks are in the room of the search.
 Found find_near(const Alignments& a, AlignedFace* face) {
   TrackerParts& t = a.t;
   const Span<const Vec2> landmarks = a.room().landmarks;
@@ -87,8 +89,8 @@ Found find_near(const Alignments& a, AlignedFace* face) {
   return is_right(*face) && distance <= kTuning.most_disagreement ? Found::here : Found::nowhere;
 }
 
-/// In the box of such a mean face in the frame before: if it has stayed there, it is the same person, who is then aligned from
-/// there, or another one, with whom a new track begins.
+/// Aligns the mean face in the box that find_near found for it in the frame before. If it has stayed there, it is the known person,
+/// who is then aligned from its pose, or another one, with whom a new track begins.
 Found find_at(const FaceBox& box, const Alignments& a, AlignedFace* face) {
   TrackerParts& t = a.t;
   AlignedFace mean;

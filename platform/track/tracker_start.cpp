@@ -163,7 +163,7 @@ Status TrackerParts::capture_frame_0(const FrameView& view, Span<const Vec2> mar
   estimator.begin(view.time_ns);
   status = markers.place(estimator, marker_places, marker_exclusion_px);
   if (status != Status::ok) return status;
-  // Before the templates, which keep away from them.
+  // Markers come first: templates keep away from them.
   if (detection != nullptr && detection->is_own_start()) detection->restore_markers(*this);
   templates.clear();
   key_frames.clear();

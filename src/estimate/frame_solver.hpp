@@ -54,6 +54,7 @@ constexpr int most_solve_steps(int iterations, int solves) {
   return minimisations * iterations + kFrameSolverTuning.readmission_iterations;
 }
 
+/// Capacities of a FrameSolver.
 struct FrameSolverLimits {
   std::size_t points = 0, parameters = 0;
   std::size_t unknowns = 0;  ///< pose and free parameters
@@ -61,6 +62,7 @@ struct FrameSolverLimits {
   const ForceRejection* rejection = nullptr;
 };
 
+/// How the solves of a track are made.
 struct SolvePolicy {
   int iterations = 0;  ///< trial steps of each minimisation, at most
   Rejection rejection = Rejection::none;

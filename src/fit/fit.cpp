@@ -197,7 +197,7 @@ void Fitter::State::start(FitProblem& problem) {
   problem.focal_is_known = options.focal_px > 0;
 }
 
-/// Hardly any fit folds the surface over. So its stages are looked at only where it has, when they are made once more.
+/// Few fits fold the surface over. Only where the result does is the fit made again, with a test after each stage.
 /// \return iterations.
 int Fitter::State::minimise(FitProblem& problem, bool has_silhouette) {
   const std::size_t parameters = work.cascade.parameter_count();

@@ -4,6 +4,7 @@
 
 namespace pliant {
 
+/// Watches the shapes of a fit, and moves parameters back to where no watched face has turned over.
 class FoldOverGuard {
  public:
   /// \param samples  whether there is room for the vertices' samples: 12 bytes a vertex and record for a quarter of the time of
@@ -17,7 +18,8 @@ class FoldOverGuard {
   void expect_shapes();
   /// Notes the shape at q.
   void see(const float* q);
-  /// Whether the surface folds over on the straight way from the state of `start` to q. It is seen without what hardly moves it.
+  /// Whether the surface folds over on the straight way from the state of `start` to q.
+  /// Vectors below FitTuning::fold_over_slack_mm are left out of the test.
   bool has_folded(const float* q);
 
   /// Where `q` folds the surface, moves it back towards the state of the last call (or of `start`); then remembers it.

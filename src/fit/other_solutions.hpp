@@ -6,6 +6,7 @@
 
 namespace pliant {
 
+/// Tries other states than the one that a fit has found. Keeps three copies of the parameters.
 class OtherSolutions {
  public:
   void lay_out(Arena& arena, const Model& model);

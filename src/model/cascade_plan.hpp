@@ -6,6 +6,7 @@
 
 namespace pliant {
 
+/// The plan of one choice of free parameters: role, link and register of each record. Makes no evaluation itself.
 class CascadePlan {
  public:
   enum class Role : std::uint8_t {

@@ -1,6 +1,5 @@
-// One image point's row of the normal equations, and what every model parameter adds to them.
 #pragma once
-
+// One image point's row of the normal equations, and what every model parameter adds to them.
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/cascade.hpp"
