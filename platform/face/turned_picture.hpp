@@ -11,7 +11,7 @@ namespace pliant {
 /// Tuning of turned pictures. Each constant: unit, reason, experiment.
 struct TurnedPictureTuning {
   /// Tangent of the roll up to which an even turn is searched, 30 degrees: up to there the detector finds a face in the first frame
-  /// (docs/evaluation.md, Rolled faces), and its picture is not reduced. Not tuned.
+  /// (docs/evaluation.md, *Rolled faces*), and its picture is not reduced. Not tuned.
   float even_turn_tangent = 0.57735027f;
 };
 inline constexpr TurnedPictureTuning kTurnedPictureTuning{};

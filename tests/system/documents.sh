@@ -23,17 +23,18 @@ has() { printf '%s\n' "$known" | grep -qixF "$1	$2"; }
 has_beginning() { printf '%s\n' "$known" | awk -F '\t' -v f="$1" -v n="$2" \
   '$1 == f && index(tolower($2 " "), tolower(n " ")) == 1 { found = 1 } END { exit !found }'; }
 
-# Citations: comment lines are joined, so that one may run over the end of a line. "FILE<tab>DOCUMENT<tab>sections".
+# Citations, by number or by a heading's name: comment lines are joined, so that one may run over the end of a line.
+# "FILE<tab>DOCUMENT<tab>sections".
 # shellcheck disable=SC2086
 awk 'FNR == 1 && NR > 1 { scan() } FNR == 1 { file = FILENAME; text = "" }
   { line = $0; gsub(/^[ \t]*(\/\/[\/!]?<?|\*|#)[ \t]*|\/\/\/</, " ", line); text = text " " line }
   END { scan() }
   function scan(   rest, cite, doc) {
     gsub(/[ \t]+/, " ", text); rest = text
-    while (match(rest, /docs\/[a-z-]+\.md(, sections? [A-Za-z0-9][^).;]*(\.[0-9][^).;]*)*)?/)) {
+    while (match(rest, /docs\/[a-z-]+\.md(, (sections? [A-Za-z0-9]|[A-Z0-9])[^).;]*(\.[0-9][^).;]*)*)?/)) {
       cite = substr(rest, RSTART, RLENGTH); rest = substr(rest, RSTART + RLENGTH)
       doc = cite; sub(/,.*/, "", doc)
-      if (cite !~ /section/) cite = ""; else sub(/.*sections? /, "", cite)
+      if (cite !~ /,/) cite = ""; else sub(/[^,]*, (sections? )?/, "", cite)
       print file "\t" doc "\t" cite
     }
   }' $sources | sort -u | while IFS='	' read -r file document section; do
