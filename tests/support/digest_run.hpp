@@ -21,8 +21,8 @@ struct DigestSubject {
   std::uint32_t expected;  ///< what every compiler, level and target must give
 };
 /// The egg, whose jaw opens, and the sheet of paper with springs (sheet_model.hpp), which rolls up.
-constexpr DigestSubject kDigestOfEgg{kDigestIdentities, kDigestIdentities + 2, 0.2f, 42779462u},
-    kDigestOfSheet{0, 0, 0.8f, 720446532u};
+constexpr DigestSubject kDigestOfEgg{kDigestIdentities, kDigestIdentities + 2, 0.2f, 609252488u},
+    kDigestOfSheet{0, 0, 0.8f, 1093842487u};
 
 struct DigestRun {
   pliant::Status status = pliant::Status::ok;  ///< the first that was not ok
