@@ -27,18 +27,23 @@ struct SourceCheckTuning {
 };
 constexpr SourceCheckTuning kTuning{};
 
-/// Whether the surface, projected along z, has its corners clockwise.
-bool shows_back(const Source& source) {
-  double area = 0, all = 0;
+/// How a surface is seen along z.
+enum class ShownSide { front, back, edge };
+
+/// Of a closed surface, the front. Edge: all of it is seen from the side.
+ShownSide side_shown(const Source& source) {
+  double area = 0, seen = 0, all = 0;
   for (std::size_t k = 0; k < source.triangles.size(); ++k) {
     if (k < source.is_hole.size() && source.is_hole[k] != 0) continue;
     const auto p = [&](std::size_t corner) { return source.neutral[at(source.triangles[k][corner])]; };
     const Vec3 normal = cross(p(1) - p(0), p(2) - p(0));
     area += static_cast<double>(normal.z);
+    seen += static_cast<double>(magnitude(normal.z));
     all += static_cast<double>(length(normal));
   }
-  constexpr double kRounding = 1e-3;  // of a closed surface, which has no such side
-  return area < -kRounding * all;
+  constexpr double kRounding = 1e-3;  // of a closed surface, which has no back, or of one that is edge-on
+  if (seen <= kRounding * all) return ShownSide::edge;
+  return area < -kRounding * all ? ShownSide::back : ShownSide::front;
 }
 
 }  // namespace
@@ -89,11 +94,16 @@ std::vector<std::string> tracking_warnings(const Source& source, const std::vect
   }
   const float diagonal = length(box.size());
   const float off = length((1 / static_cast<float>(std::max<std::size_t>(surface.size(), 1))) * sum);
-  if (shows_back(source))
-    warnings.push_back(
-        "seen from the front, along z, this surface shows its back: a rendered picture without a turn, or "
-        "a start from a box, sees nothing of it. A start by print or points turns it. Else turn its "
-        "vertices; to reverse the corners of its faces would mirror the print");
+  const ShownSide side = side_shown(source);
+  if (side != ShownSide::front)
+    warnings.push_back(std::string("seen from the front, along z, this surface ") +
+                       (side == ShownSide::back ? "shows its back" : "is edge-on") +
+                       ": a rendered picture without a turn, or a start from a box, sees nothing of it. A "
+                       "start by print or points "
+                       "turns it. Else turn its vertices" +
+                       (side == ShownSide::back
+                            ? "; to reverse the corners of its faces would mirror the print"
+                            : ", so that it faces +z"));
   if (diagonal < kTuning.least_tracked_mm)
     warnings.push_back("the surface is " + millimetres(diagonal) +
                        " across, and nothing is tracked nearer than 50 mm: is it in centimetres "

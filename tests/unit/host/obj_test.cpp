@@ -195,18 +195,22 @@ TEST_CASE("a landmark whose name is nearly one of iBUG's is warned of") {
   }
 }
 
-TEST_CASE(
-    "a surface whose faces list their corners clockwise, seen from the front, shows its back: the report "
-    "tells") {
+TEST_CASE("a surface that shows its back or its edge, seen from the front, is warned of") {
   const ObjFolder folder("back");
-  for (const bool is_turned : {false, true}) {
-    folder.put("neutral.obj", folder.obj([&](float s, float t) {
+  enum { front, back, lying, standing };
+  for (const int kind : {front, back, lying, standing}) {
+    CAPTURE(kind);
+    folder.put("neutral.obj", folder.obj([kind](float s, float t) {
       const Vec3 p = curved_sheet(s, t);
-      return is_turned ? Vec3{-p.x, p.y, -p.z} : p;  // half a turn about y
+      return kind == front   ? p
+             : kind == back  ? Vec3{-p.x, p.y, -p.z}  // half a turn about y
+             : kind == lying ? Vec3{p.x, p.z, -p.y}
+                             : Vec3{0, p.y, -p.x};
     }));
     host::bake::BakeReport report;
     (void)baked_coarsely(folder, &report);
-    CHECK(warns(report, "shows its back") == is_turned);
+    CHECK(warns(report, "shows its back") == (kind == back));
+    CHECK(warns(report, "is edge-on") == (kind == lying || kind == standing));
   }
 }
 
