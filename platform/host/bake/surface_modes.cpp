@@ -19,9 +19,11 @@ BendingMesh joined(const Source& source, const std::vector<char>& is_fixed, std:
   mesh.is_fixed.assign(mesh.position.size(), 0);
   for (std::size_t v = 0; v < is_fixed.size(); ++v)
     if (is_fixed[v]) mesh.is_fixed[at(place_of[v])] = 1;
-  mesh.triangles = source.triangles;
-  for (auto& t : mesh.triangles)
+  for (std::array<int, 3> t : source.triangles) {
     for (int& v : t) v = place_of[at(v)];
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0])
+      mesh.triangles.push_back(t);  // else it is an edge or a point
+  }
   return mesh;
 }
 
