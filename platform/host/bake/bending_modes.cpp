@@ -15,6 +15,7 @@
 #include "host/bake/at.hpp"
 #include "host/bake/symmetric_eigen.hpp"
 #include "host/io/bounding_box.hpp"
+#include "host/io/numbers.hpp"
 
 namespace pliant::host::bake {
 
@@ -55,7 +56,7 @@ class ModeProblem {
     normalise();
     number_unknowns();
     add_energy();
-    mass_ = mass_.cwiseMax(1e-12);  // where triangles have no area
+    check_areas();
     const auto n = static_cast<Eigen::Index>(unknowns_);
     stiffness_.resize(n, n);
     stiffness_.setFromTriplets(entries_.begin(), entries_.end());
@@ -103,6 +104,17 @@ class ModeProblem {
       unknowns_ += moves ? 3 : 0;
     }
     mass_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns_));
+  }
+
+  /// A vertex without area has no stiffness either: nothing tells how it moves.
+  void check_areas() const {
+    for (std::size_t v = 0; v < position_.size(); ++v)
+      if (first_unknown_[v] >= 0 && !(mass_(first_unknown_[v]) > 0)) {
+        const Vec3 p = mesh_.position[v];
+        throw std::runtime_error(
+            "the faces at the vertex at (" + short_text(p.x) + ", " + short_text(p.y) + ", " +
+            short_text(p.z) + ") mm have no area: remove it, or move it off the line between its neighbours");
+      }
   }
 
   /// A linear form of the displacements of some vertices.

@@ -12,6 +12,7 @@
 #include "host/bake/ibug_curves.hpp"
 #include "host/bake/material_pictures.hpp"
 #include "host/bake/obj_file.hpp"
+#include "host/bake/polygon_triangles.hpp"
 #include "host/bake/principal_components.hpp"
 #include "host/bake/source_error.hpp"
 #include "host/bake/surface_check.hpp"
@@ -36,8 +37,6 @@ bool is_obj_file(const std::string& source) {
 constexpr std::size_t kMostVertices = 250000;
 /// Largest distance of a vertex from the origin, millimetres: a tenth of what a table can hold.
 constexpr float kFarthestMm = 1e5f;
-/// Corners of a polygon that are tried as the apex of its fan, count, at most. Bounds the time.
-constexpr std::size_t kMostApexes = 64;
 
 /// Name of a file without its folder and ending.
 std::string name_of(const std::string& path) {
@@ -167,14 +166,14 @@ class FolderReader {
     return result;
   }
 
-  /// Splits polygons into fans, and mirrors the chart if necessary: seen from outside, u points right and v points down.
+  /// Splits polygons into triangles, and mirrors the chart if necessary: seen from outside, u points right and v points down.
   void make_triangles() {
     std::vector<int> line;
     for (std::size_t polygon = 0, k = 0; polygon < rest_.polygon_end.size();
          k = at(rest_.polygon_end[polygon++])) {
       const std::vector<int> corners(id_of_corner_.begin() + static_cast<std::ptrdiff_t>(k),
                                      id_of_corner_.begin() + rest_.polygon_end[polygon]);
-      add_fan(corners);
+      for (const auto& t : triangles_of(corners, source_.uv, source_.neutral)) source_.triangles.push_back(t);
       line.resize(source_.triangles.size(), rest_.polygon_line[polygon]);
       painted_.picture.resize(source_.triangles.size(), rest_.material[polygon]);
     }
@@ -190,28 +189,6 @@ class FolderReader {
     }
     if (const auto defect = find_defect(source_.uv, source_.triangles))
       throw SourceError(rest_.path, line[defect->triangle], defect->what);
-  }
-
-  /// Adds the triangles of a polygon: the fan around its first corner or, where it is not convex, around the corner with the
-  /// largest least area in the chart.
-  void add_fan(const std::vector<int>& corners) {
-    const std::size_t n = corners.size();
-    std::vector<std::array<int, 3>> best;
-    float best_area = 0;
-    for (std::size_t apex = 0; apex < std::min(n, kMostApexes); ++apex) {
-      std::vector<std::array<int, 3>> fan;
-      for (std::size_t c = 2; c < n; ++c)
-        fan.push_back({corners[apex], corners[(apex + c - 1) % n], corners[(apex + c) % n]});
-      const auto areas = chart_areas(source_.uv, fan);
-      const auto [least, most] = std::minmax_element(areas.begin(), areas.end());
-      const float area = std::max(*least, -*most);  // positive if all triangles have one orientation
-      if (apex == 0 || area > best_area) {
-        best = std::move(fan);
-        best_area = area;
-      }
-      if (apex == 0 && area > 0) break;
-    }
-    source_.triangles.insert(source_.triangles.end(), best.begin(), best.end());
   }
 
   void add_parameter(const std::string& file, const std::string& name, Group group,
