@@ -30,6 +30,8 @@ struct PrintCheckTuning {
   int half = 3;
   /// Samples that a block is searched for to each side of its place. Not tuned.
   int shift = 2;
+  /// Cosine of the angle between a surface's normal and a camera that it faces, at least: 75 degrees. Round value, not tuned.
+  float least_facing = 0.26f;
   /// Displacement of a block's corner by the curvature of the surface, at most, spacings of its samples: towards a rim the second
   /// order does not tell where the block is seen. Round value, not tuned.
   float most_bend = 1.5f;
@@ -217,7 +219,11 @@ PrintAgreement compare_print(const FrameView& frame, const Model& model, const P
     float expected[kSamples];
     if (!find_block(projection, places[k], &block)) continue;
     ++facing;
-    if (!is_inside(frame, block.x, reach) || !sample_albedo(albedo, block, block_px, expected)) continue;
+    if (!is_inside(frame, block.x, reach)) {
+      agreement.outside += k < places.blocks();
+      continue;
+    }
+    if (!sample_albedo(albedo, block, block_px, expected)) continue;
     // Most surfaces are flat enough for the first order, which costs less.
     bool is_agreed = agrees(frame, block, block_px, expected);
     if (!is_agreed) {
@@ -232,6 +238,33 @@ PrintAgreement compare_print(const FrameView& frame, const Model& model, const P
     agreement.agreed_once += history->has(k);
   }
   return agreement;
+}
+
+int PrintHistory::first_round_count() const {
+  int count = 0;
+  for (std::size_t k = 0; k < kPrintTuning.blocks; ++k) count += has(k);
+  return count;
+}
+
+FacingAtRest facing_at_rest(const PrintTable& table, Cascade& cascade, const float* q, const Pose& pose) {
+  const BlockPlaces places(table.keypoints(), kPrintTuning.blocks);
+  const Vec3 t = rotation_matrix(conjugate(pose.q)) *
+                 pose.t;  // camera axes to those of the model, but for the signs of y and z
+  const Vec3 camera{-t.x, t.y, t.z};
+  Vec3 normal[kPrintTuning.blocks];
+  FacingAtRest facing;
+  for (std::size_t k = 0; k < places.blocks(); ++k) {
+    const SurfaceFrame frame = cascade.surface_frame(places[k], q);
+    normal[k] = normalised(cross(frame.pv, frame.pu));
+    facing.in_view += dot(normal[k], normalised(camera - frame.p)) >= kTuning.least_facing;
+  }
+  for (std::size_t i = 0; i < places.blocks(); ++i) {
+    int count = 0;
+    for (std::size_t k = 0; k < places.blocks(); ++k)
+      count += dot(normal[i], normal[k]) >= kTuning.least_facing;
+    facing.most = count > facing.most ? count : facing.most;
+  }
+  return facing;
 }
 
 bool shows_print(const FrameView& frame, const Model& model, const SurfacePlace& place, float block_px) {

@@ -1,6 +1,7 @@
 #pragma once
 // Verification of a pose by the print: blocks of the frame are compared with the albedo (docs/algorithms.md,
 // section 7.18).
+#include "pliant/cascade.hpp"
 #include "pliant/fit.hpp"
 #include "pliant/frame.hpp"
 #include "pliant/model.hpp"
@@ -24,6 +25,7 @@ struct SurfaceProjection {
 struct PrintAgreement {
   int visible = 0, agreed = 0;
   int agreed_once = 0;  ///< of the visible ones: now, or in an earlier comparison with the same history
+  int outside = 0;      ///< of the first round of places: they face the camera beyond the frame
 };
 
 /// The blocks that have agreed since a track began.
@@ -32,6 +34,8 @@ class PrintHistory {
   void clear() { *this = {}; }
   bool has(std::size_t block) const { return (bits_[block / 32] >> block % 32 & 1) != 0; }
   void add(std::size_t block) { bits_[block / 32] |= std::uint32_t{1} << block % 32; }
+  /// Of the first round of places, which are all over the surface.
+  int first_round_count() const;
 
  private:
   static constexpr std::size_t kBlocks = kPrintTuning.blocks * kPrintTuning.block_rounds;
@@ -47,6 +51,16 @@ class PrintHistory {
 PrintAgreement compare_print(const FrameView& frame, const Model& model, const PrintTable& table,
                              const SurfaceProjection& projection, float block_px,
                              PrintHistory* history = nullptr);
+
+/// How many of the first round of places face a camera while the surface is at rest.
+struct FacingAtRest {
+  int in_view = 0;  ///< this camera
+  int most = 0;     ///< one camera, at most: all of a flat sheet, less than half of a can
+};
+
+/// Cost: 48 places are sampled, and 2,304 products. 0.6 kB of stack.
+/// \param q  all parameters, at rest.
+FacingAtRest facing_at_rest(const PrintTable& table, Cascade& cascade, const float* q, const Pose& pose);
 
 /// A place of the surface as the camera sees it.
 struct SurfacePlace {

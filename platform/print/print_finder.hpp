@@ -19,6 +19,9 @@ struct FoundPrint {
   View view;
   PrintAgreement agreement;
   bool is_clear = false;  ///< no other pose explains the frame as well
+  /// How many places of the first round come to sight in a track that is right, unless something is in front of them or they are
+  /// outside the frame.
+  int expected = 0;
 };
 
 /// The search, frame by frame. Lives in the memory of the tracking, while there is no track.
@@ -62,6 +65,7 @@ class PrintFinder {
               View* view, FitReport* report);
   Span<const Correspondence> points_near(const View& view, float tolerance);
   PrintAgreement verify(const View& view, const FrameView& frame);
+  int expected_places(const Pose& pose);
   float extent_px(const View& view) const { return view.s * matcher_.table().extent_mm(); }
 
   Model model_;

@@ -33,6 +33,10 @@ struct PrintStartTuning {
   /// finds also a surface of which a part is folded away; the rest of it is then wrong until it is seen (cloth A: up to 0.81
   /// agreed at errors above 5 %).
   float least_confirming_agreement = 0.92f;
+  /// And until this fraction of the places has that the surface would show at rest (FoundPrint::expected). Of half mugs, a page and
+  /// a packet, one side of which was covered at the start and folded away, 0.21 to 0.46 agreed; of right starts of the same films
+  /// 0.65 and more (docs/experiments.md, Start by print).
+  float least_shown = 0.55f;
   /// Frames after which a start by print that is not confirmed is given up: its hidden part has no templates, and a new search
   /// finds what has come to light since. Half a second, not tuned.
   int most_unconfirmed_frames = 15;
@@ -49,6 +53,7 @@ struct PrintDetectionState : DetectionState {
   int frames_since_check = 0, bad_checks = 0, unconfirmed_frames = 0;
   float agreement = 1;   // of the last check
   PrintHistory history;  // of this track
+  int expected = 0;      // FoundPrint::expected of the search that began it
   bool is_confirmed = true;
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
@@ -118,6 +123,7 @@ Status search(TrackerParts& t, const FrameView& view) {
   FoundPrint found;
   Status status = finder.search(view, t.limits.search_work, camera, t.start_q.data, &found);
   if (status != Status::ok) return status == Status::not_found ? Status::ok : status;
+  self.expected = found.expected;
   t.templates.set_check({&t, accepts_template});
   return answer_of(self.start(t, view, {camera, pose_of(found.view)}, self.kept.options));
 }
@@ -149,6 +155,13 @@ float fraction_of(int blocks, const PrintAgreement& a) {
   return a.visible < kTuning.least_visible ? 1 : static_cast<float>(blocks) / static_cast<float>(a.visible);
 }
 
+/// Whether the places that the surface would show at rest have come to sight, unless they are outside the frame. Those that a
+/// found shape folds away are not among the visible blocks.
+bool has_shown_most(const PrintDetectionState& self, const PrintAgreement& a) {
+  return static_cast<float>(self.history.first_round_count()) >=
+         kTuning.least_shown * static_cast<float>(self.expected - a.outside);
+}
+
 void check(TrackerParts& t, const FrameView& view) {
   PrintDetectionState& self = self_of(t);
   self.frames_since_check = 0;
@@ -158,7 +171,8 @@ void check(TrackerParts& t, const FrameView& view) {
   self.agreement = fraction_of(a.agreed, a);
   self.bad_checks = self.agreement < kTuning.least_agreement ? self.bad_checks + 1 : 0;
   self.is_confirmed =
-      self.is_confirmed || fraction_of(a.agreed_once, a) >= kTuning.least_confirming_agreement;
+      self.is_confirmed ||
+      (fraction_of(a.agreed_once, a) >= kTuning.least_confirming_agreement && has_shown_most(self, a));
 }
 
 /// Makes a frame degraded whose surface is not where the picture shows the print.
