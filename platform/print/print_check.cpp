@@ -248,8 +248,8 @@ int PrintHistory::first_round_count() const {
 
 FacingAtRest facing_at_rest(const PrintTable& table, Cascade& cascade, const float* q, const Pose& pose) {
   const BlockPlaces places(table.keypoints(), kPrintTuning.blocks);
-  const Vec3 t = rotation_matrix(conjugate(pose.q)) *
-                 pose.t;  // camera axes to those of the model, but for the signs of y and z
+  // Of the model's origin before the camera, in axes that are the model's but for the signs of y and z.
+  const Vec3 t = rotation_matrix(conjugate(pose.q)) * pose.t;
   const Vec3 camera{-t.x, t.y, t.z};
   Vec3 normal[kPrintTuning.blocks];
   FacingAtRest facing;
