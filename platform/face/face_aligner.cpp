@@ -25,11 +25,12 @@ void FaceAligner::lay_out_scratch(Arena& scratch) {
 }
 
 std::size_t FaceAligner::scratch_bytes(const Model& model) {
-  Arena parts, scratch;
+  Arena arena;
   AlignerPass pass;
-  pass.lay_out(parts, model, kMostAlignerLandmarks, AlignerUse::spread_alignment);
-  pass.lay_out_scratch(scratch);
-  return scratch.used_bytes();
+  pass.lay_out(arena, model, kMostAlignerLandmarks, AlignerUse::spread_alignment);
+  const std::size_t kept = arena.used_bytes();
+  pass.lay_out_scratch(arena);
+  return arena.used_bytes() - kept;
 }
 
 void FaceAligner::lay_out_for_verification(Arena& arena, const Model& model) {
