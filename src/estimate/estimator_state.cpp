@@ -17,28 +17,31 @@ void Estimator::save(State* state) const {
 }
 
 Status Estimator::restore(const State& state) {
-  if (!is_started()) return Status::not_started;
-  Impl& s = *impl_;
-  if (state.q == nullptr || !is_possible(state.pose, s.camera) || !are_finite(state.q, s.parameter_count()))
+  return is_started() ? impl_->restore(state, 1) : Status::not_started;
+}
+
+Status Estimator::Impl::restore(const State& saved, std::uint32_t interval) {
+  if (saved.q == nullptr || !is_possible(saved.pose, camera) || !are_finite(saved.q, parameter_count()))
     return Status::bad_argument;
-  s.set_view(state.pose);
-  s.predictions = {};
-  s.motion.expect(s.state.view);
-  for (std::size_t k = 0; k < s.cascade.column_count(); ++k) {
-    const std::uint16_t i = s.cascade.parameter_of(k);
-    const Parameter& p = model().parameters()[i];
-    s.state.q[i] = clamp(state.q[i], p.minimum, p.maximum);
-    s.motion.expect(i, s.state.q[i]);
+  set_view(saved.pose);
+  predictions = {};
+  motion.expect(state.view);
+  for (std::size_t k = 0; k < cascade.column_count(); ++k) {
+    const std::uint16_t i = cascade.parameter_of(k);
+    const Parameter& p = cascade.model().parameters()[i];
+    state.q[i] = clamp(saved.q[i], p.minimum, p.maximum);
+    motion.expect(i, state.q[i]);
   }
-  s.update_surface(1);
-  if (s.place_silhouette != nullptr) s.place_silhouette(s);
+  update_surface(interval);
+  if (place_silhouette != nullptr) place_silhouette(*this);
   return Status::ok;
 }
 
 Status Estimator::accept(const State& measured, FrameResult* result) {
-  const Status status = restore(measured);
-  if (status != Status::ok) return status;
+  if (!is_started()) return Status::not_started;
   Impl& s = *impl_;
+  const Status status = s.restore(measured, s.vertex_interval);
+  if (status != Status::ok) return status;
   copy(s.state, s.parameter_count(), &s.trusted);
   s.motion.move(s.state);
   result->state = s.monitor.add(true);
