@@ -113,8 +113,8 @@ float KeyFrames::correlation_with(const std::uint8_t* pixels) const {
       .correlation;
 }
 
-bool KeyFrames::is_after_cut() const {
-  return last_ != trusted_ && correlation_with(trusted_) <= kTuning.most_after_cut &&
+bool KeyFrames::is_lasting_cut() const {
+  return last_ != trusted_ && shows_another_picture() &&
          correlation_with(last_) >= kTuning.least_of_same_picture;
 }
 

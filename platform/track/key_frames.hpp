@@ -36,7 +36,7 @@ struct KeyFrameTuning {
   int bad_frames_before_keys = 2;
   /// Normalised cross-correlation of whole thumbnails, in place: after a cut, with the last good frame's at most, and with the
   /// last frame's, whatever that was, at least (docs/experiments.md, Cuts).
-  float most_after_cut = 0.4f, least_of_same_picture = 0.8f;
+  float most_of_another_picture = 0.4f, least_of_same_picture = 0.8f;
 };
 inline constexpr KeyFrameTuning kKeyFrameTuning{};
 
@@ -63,9 +63,12 @@ class KeyFrames {
   /// Compares this frame's thumbnail with the last good one or, after some bad frames, in turn with those of the key
   /// frames. The next call expects the shift that this one has found. \param bad_frames  in a row before this frame.
   CoarseMotion find_motion(int bad_frames);
-  /// Whether this frame shows another picture than the last good one did, and the last frame showed it, too: there was a cut, not
-  /// a flash. False without second looks.
-  bool is_after_cut() const;
+  /// Whether this frame shows another picture than the last good one did.
+  bool shows_another_picture() const {
+    return correlation_with(trusted_) <= kKeyFrameTuning.most_of_another_picture;
+  }
+  /// Whether the last frame showed that other picture, too: the cut is no flash. False without second looks.
+  bool is_lasting_cut() const;
   /// Makes this frame the last good one.
   void trust(const Estimator& estimator);
   /// Middle of the model in the image, px, at the estimator's vertices.

@@ -152,11 +152,15 @@ bool conclude(TrackerParts& t, const FrameView& frame) {
 }
 
 bool is_over(const TrackerParts& t) {
-  return !begins_soon(t) && t.key_frames.is_after_cut();
+  return !begins_soon(t) && t.key_frames.is_lasting_cut();
+}
+
+bool is_after_cut(const TrackerParts& t) {
+  return t.detection->look->realigned == 0 && t.key_frames.shows_another_picture();
 }
 
 }  // namespace
 
-const SecondLook kSecondLook{lay_out, alignment_bytes, begin_track, conclude, resume, is_over};
+const SecondLook kSecondLook{lay_out, alignment_bytes, begin_track, conclude, resume, is_over, is_after_cut};
 
 }  // namespace pliant

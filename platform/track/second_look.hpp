@@ -98,8 +98,11 @@ struct SecondLook {
   bool (*conclude)(TrackerParts& tracker, const FrameView& frame);
   /// Ends a start from a saved state (realignment.hpp).
   void (*resume)(TrackerParts& tracker, const FrameView& frame);
-  /// Whether a bad frame that was not tracked after all comes after a cut (KeyFrames::is_after_cut): the track is over.
+  /// Whether a bad frame that was not tracked after all comes after a cut (KeyFrames::is_lasting_cut): the track is over.
   bool (*is_over)(const TrackerParts& tracker);
+  /// Whether this frame shows another picture than the last good one, which templates have matched: they would match by chance, and
+  /// `conclude` aligns the frame.
+  bool (*is_after_cut)(const TrackerParts& tracker);
 };
 
 }  // namespace pliant

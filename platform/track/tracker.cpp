@@ -1,5 +1,6 @@
 // The tracker: a composition of its parts. `update` is the pipeline: detect or predict, match, solve, conclude.
 #include "base/integers.hpp"
+#include "track/second_look.hpp"
 #include "track/template_tuning.hpp"
 #include "track/tracker_parts.hpp"
 #include "track/tracker_sizes.hpp"
@@ -141,7 +142,7 @@ const FrameView& TrackerParts::quiet(const FrameView& view) {
 Status TrackerParts::track(const FrameView& view) {
   const Status status = predict(view);
   if (status != Status::ok) return status;
-  match_and_solve(view);
+  if (!progress.is_after_cut) match_and_solve(view);  // templates would match by chance
   conclude();
   if (person != nullptr && progress.bad_frames == 0) limits.person->conclude(*this);
   if (detection != nullptr) detection->calls->conclude(*this, view);
@@ -176,6 +177,8 @@ Status TrackerParts::predict(const FrameView& view) {
   estimator.begin(view.time_ns);
   const CoarseMotion motion = key_frames.find_motion(progress.bad_frames);
   budget.work.coarse_pixels = motion.compared_pixels;
+  progress.is_after_cut = !motion.is_found && detection != nullptr && detection->look != nullptr &&
+                          limits.second_look->is_after_cut(*this);
   if (motion.from != nullptr) estimator.propose(*motion.from);
   if (motion.is_found) estimator.translate(motion.by_px);
   const bool is_trusted = progress.bad_frames == 0;

@@ -102,11 +102,12 @@ TEST_CASE("a cut is another picture than the last good one, for two frames") {
   const FrameView nothing = view_of_pixels(black, 320, 240, 1);
   const auto is_cut = [](Rig& rig, const FrameView& frame) {
     rig.keys->take(frame);
-    return rig.keys->is_after_cut();
+    return rig.keys->is_lasting_cut();
   };
   Rig rig;
   SUBCASE("told in the second one") {
     CHECK_FALSE(is_cut(rig, other));
+    CHECK(rig.keys->shows_another_picture());
     CHECK(is_cut(rig, other));
     rig.keys->trust(rig.estimator.object);
     CHECK_FALSE(is_cut(rig, other));

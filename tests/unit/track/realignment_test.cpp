@@ -87,6 +87,21 @@ TEST_CASE("a face whose templates fail is tracked by alignment, until they match
   CHECK(run(film, limits_with_fake()).tracking < kChanged - 3);
 }
 
+TEST_CASE(
+    "in another picture no templates are searched for where an alignment looks, and they are elsewhere") {
+  const FaceFilm& film = changed_film();
+  FakeFaces fake(film);
+  for (const bool looks : {true, false}) {
+    CAPTURE(looks);
+    InArena<Tracker> tracker(baked_face().model, looks ? limits_with_looks() : limits_with_fake());
+    for (std::size_t k = 0; k < kChange; ++k) update(tracker.object, film, k);
+    CHECK(tracker.object.work().searches > 0);
+    const FrameResult frame = update(tracker.object, film, kChange);
+    CHECK((frame.state == TrackState::tracking) == looks);
+    CHECK((tracker.object.work().searches == 0) == looks);
+  }
+}
+
 TEST_CASE("an alignment that is not surely right leaves a frame bad") {
   const struct {
     std::string what;
