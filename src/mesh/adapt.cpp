@@ -205,10 +205,8 @@ void Adapter::weld(VertexId v) {
 }
 
 bool Adapter::fits(FaceId f, int vertex_room, Chain& chain) const {
-  int new_faces = 2;
-  chain.face[0] = f;
-  chain.count = 1;
-  if (!mesh_->is_ready(f)) chain.count = mesh_->find_refinement_chain(f, chain.face, &new_faces);
+  int new_faces = 0;
+  chain.count = mesh_->find_refinement_chain(f, chain.face, &new_faces);
   return chain.count <= vertex_room && mesh_->face_count() + new_faces <= limits_.faces;
 }
 

@@ -251,6 +251,17 @@ TEST_CASE("too few faces stop refinement as too few vertices do") {
   }
 }
 
+TEST_CASE("a split at the boundary needs room for one face, and no more") {
+  Bumps bumps;
+  ContourOptions fine;
+  fine.mean_mm = fine.max_mm = 1e-6f;
+  for (const int faces : {1, 2, 3}) {
+    Setup s(limits(50, faces), {{{0, 0}, {1, 0}, {0, 1}}, {0, 1, 2}}, bumps.surface(), criterion_of(fine));
+    CHECK(s.adapter.adapt({}).stop == AdaptStop::no_room);
+    CHECK(s.box.mesh.face_count() == faces);
+  }
+}
+
 TEST_CASE("a budgeted mesh that follows a moving surface beats a uniform one of twice the vertices") {
   Bumps bumps;
   ContourOptions volume;
