@@ -93,17 +93,27 @@ Criterion criterion_of(const NormalsOptions& options) {
 
 // --- Combination ---
 
+namespace {
+
+// NaN counts as 0, and does not hide the rank of the other criterion.
+float larger_rank(float a, float b) {
+  return max(max(0, a), b);
+}
+
+}  // namespace
+
 Criterion criterion_of(const EitherOf& options) {
   Criterion c;
   c.context = &options;
   c.refine_rank = [](const void* context, const Shape& shape, FaceId f) {
     const auto& e = *static_cast<const EitherOf*>(context);
-    return max(e.first.refine_rank(e.first.context, shape, f),
-               e.second.refine_rank(e.second.context, shape, f));
+    return larger_rank(e.first.refine_rank(e.first.context, shape, f),
+                       e.second.refine_rank(e.second.context, shape, f));
   };
   c.weld_rank = [](const void* context, const Shape& shape, VertexId v) {
     const auto& e = *static_cast<const EitherOf*>(context);
-    return max(e.first.weld_rank(e.first.context, shape, v), e.second.weld_rank(e.second.context, shape, v));
+    return larger_rank(e.first.weld_rank(e.first.context, shape, v),
+                       e.second.weld_rank(e.second.context, shape, v));
   };
   c.ranks_triangles = options.first.ranks_triangles && options.second.ranks_triangles;
   c.sees_neighbours = options.first.sees_neighbours || options.second.sees_neighbours;

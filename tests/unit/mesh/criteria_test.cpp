@@ -284,4 +284,20 @@ TEST_CASE("either of two criteria asks for a face, both must let a vertex go") {
   }
 }
 
+TEST_CASE("a criterion without a number for a face leaves the face to the other of two") {
+  Criterion nothing;
+  nothing.refine_rank = [](const void*, const Shape&, FaceId) { return std::nanf(""); };
+  nothing.weld_rank = [](const void*, const Shape&, VertexId) { return std::nanf(""); };
+  const ContourOptions contour{0.01f, 0, 0};
+  int splits[2] = {};
+  for (const bool is_first : {true, false}) {
+    Sampled s(shapes::block_grid(2), surface_of(paraboloid), 2000, 4000);
+    EitherOf both{nothing, criterion_of(contour)};
+    if (!is_first) both = {both.second, both.first};
+    splits[is_first] = adapt(s, criterion_of(both));
+  }
+  CHECK(splits[0] > 10);
+  CHECK(splits[1] == splits[0]);
+}
+
 }  // namespace criteria_test
