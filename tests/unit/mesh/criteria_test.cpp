@@ -213,6 +213,31 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("view: a triangle that reaches into the picture counts in full, wherever its middle is seen") {
+  // Two triangles of 2 m fill the picture from 0.3 m; their middles are seen 278 px beside that of the picture.
+  Sampled wall(shapes::block_grid(1), surface_of([](void*, Vec2 uv) {
+                 return Vec3{2000 * uv.x - 1000, 2000 * uv.y - 1000, 30 * uv.x * (1 - uv.x)};
+               }));
+  ViewOptions view;
+  view.pose.t = {0, 0, 300};
+  const auto rank = [&](const Sampled& s, int f) {
+    return compute_rank(view, s.shape(), s.box.mesh.triangle(static_cast<FaceId>(f)));
+  };
+  const float full = rank(wall, 0);
+  view.hidden_gain = 1;
+  CHECK(rank(wall, 0) == full);
+  // A floor 0.2 m below the camera, from 0.8 m behind it to 1.2 m before it. Of one triangle a third is before it.
+  Sampled floor(shapes::block_grid(1), surface_of([](void*, Vec2 uv) {
+                  return Vec3{2000 * uv.x - 1000, -200 - 30 * uv.x * (1 - uv.x), 2000 * uv.y - 1000};
+                }));
+  view.pose.t = {0, 0, 200};
+  CHECK(rank(floor, 0) > 1);
+  CHECK(rank(floor, 1) > 1);
+  view.pose.t = {0, 0, -1100};  // all of it is behind the camera
+  CHECK(rank(floor, 0) == 0);
+  CHECK(rank(floor, 1) == 0);
+}
+
 TEST_CASE("view: the silhouette counts more and the far side less") {
   Sampled s(shapes::block_grid(1), surface_of([](void*, Vec2 uv) {
               return Vec3{100 * uv.x - 50, 100 * uv.y - 50, 30 * uv.x * (1 - uv.x)};
