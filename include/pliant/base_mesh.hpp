@@ -44,7 +44,8 @@ class BaseMeshMaker {
   /// \param uv, corners  any winding; one connected part or several, with boundary or without.
   /// \param position     lengths are taken between these, one a vertex; empty: in (u,v).
   /// \return ok, or the first defect in this order: bad_argument, capacity, bad_index, degenerate_face,
-  ///   duplicate_face or non_manifold_edge, non_orientable, isolated_vertex, non_manifold_vertex.
+  ///   duplicate_face or non_manifold_edge, non_orientable, isolated_vertex, non_manifold_vertex; at last
+  ///   degenerate_face where a triangle is so narrow that a part of it has no area in float.
   Status by_splits(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
                    Span<const Vec3> position = {});
   /// Without splits: neighbours are paired across long edges. A face with a boundary edge may stay single, as

@@ -215,12 +215,15 @@ void BaseMeshMaker::emit_mesh() {
 Status BaseMeshMaker::by_splits(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
                                 Span<const Vec3> position) {
   // Without room for splits it is given no triangles, which is a bad argument, too.
-  const Status status =
-      prepare(uv, limits_.splits ? corners : Span<const std::uint16_t>{}, winding, position);
+  Status status = prepare(uv, limits_.splits ? corners : Span<const std::uint16_t>{}, winding, position);
   if (status != Status::ok) return status;
   split_edges(sort_edges(position));
   emit_mesh();
-  return mesh_.make_base();
+  // Halves of a triangle a few steps of a float wide may have no area.
+  status = Mesh::check_triangles(this->uv(), this->corners(), mesh_.limits());
+  if (status == Status::ok) status = mesh_.make_base();
+  if (status != Status::ok) vertex_count_ = face_count_ = input_vertices_ = 0;
+  return status;
 }
 
 // --- Pairing ---

@@ -352,6 +352,19 @@ TEST_CASE("each defect of a base mesh is named") {
   CHECK(both(square, {60, 1, true}) == Status::capacity);
 }
 
+TEST_CASE("a triangle whose halves have no area in float is refused: what by_splits makes is a base mesh") {
+  const float step = 0x1p-24f;  // of a float from 0.5 to 1
+  const Vec2 at{0.75f, 0.75f};
+  const Triangles narrow = {{at, at + Vec2{step, -5 * step}, at + Vec2{-2 * step, 4 * step}}, {0, 1, 2}};
+  Maker m(maker_limits(narrow));
+  CHECK(m.maker.by_splits(narrow.uv_span(), narrow.corner_span(), Winding::as_given) ==
+        Status::degenerate_face);
+  CHECK(m.maker.uv().empty());
+  CHECK(m.maker.corners().empty());
+  CHECK(m.maker.parents().empty());
+  CHECK(m.maker.by_pairing(narrow.uv_span(), narrow.corner_span(), Winding::as_given) == Status::ok);
+}
+
 TEST_CASE("a maker fits what required bytes say") {
   for (const bool splits : {true, false}) {
     const BaseMeshLimits l{512, 1024, splits};
