@@ -55,7 +55,7 @@ struct AdaptOptions {
 
 /// Why an adaptation ended.
 enum class AdaptStop : std::uint8_t {
-  converged,   ///< every face is within tolerance, and no vertex is superfluous
+  converged,  ///< no face that may be split is out of tolerance, and no vertex that may be welded is superfluous
   no_room,     ///< budget or capacity is used up, and no weld is worth a split
   operations,  ///< max_operations
 };
@@ -64,7 +64,7 @@ enum class AdaptStop : std::uint8_t {
 struct AdaptReport {
   int splits = 0, welds = 0;              ///< operations done
   AdaptStop stop = AdaptStop::converged;  ///< why it ended
-  float worst_rank = 0;                   ///< of the faces there are now
+  float worst_rank = 0;                   ///< of the faces there are now; those at max_level count as 0
 };
 
 /// Keeps one mesh adapted to one surface. After `start`, only the adapter may change the mesh.

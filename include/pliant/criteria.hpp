@@ -122,7 +122,9 @@ float compute_rank(const ViewOptions& options, const Shape& shape, const Triangl
 struct TextureOptions {
   void* context = nullptr;                           ///< passed to the functions
   float (*score)(void* context, Vec2 uv) = nullptr;  ///< at least 0; 1 is worth a vertex
-  float shortest_edge_mm = 4;                        ///< no edge becomes shorter than this
+  /// No subdivision edge shorter than twice this is split for its own rank. Other edges of flat triangles, and those that
+  /// neighbours' refinement splits, may be shorter.
+  float shortest_edge_mm = 4;
 };
 /// The criterion of these options, which must outlive it.
 Criterion criterion_of(const TextureOptions& options);

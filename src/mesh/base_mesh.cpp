@@ -158,7 +158,7 @@ float BaseMeshMaker::squared_length(HalfEdgeId h, Span<const Vec3> position) con
   return dot(d, d);
 }
 
-// Equal lengths are ordered by the place of their midpoints: the result does not depend on the order of the input.
+// Equal lengths are ordered by the place of their midpoints: splits do not depend on the order of the input.
 std::size_t BaseMeshMaker::sort_edges(Span<const Vec3> position) {
   std::size_t count = 0;
   for (const FaceId f : mesh_.faces())
