@@ -92,10 +92,12 @@ std::string bytes_of(const MeshData& data, MeshFormat format, const Model& model
   return glb_bytes(data, albedo_png(model));
 }
 
-const char* reason(AdaptStop stop, bool is_deepest) {
-  switch (stop) {
+const char* reason(const ModelMesh& mesh, MeshCriterion criterion) {
+  switch (mesh.report().stop) {
     case AdaptStop::converged:
-      return is_deepest ? "as deep as --depth allows" : "within tolerance";
+      if (criterion == MeshCriterion::none) return "the base mesh";
+      return criterion != MeshCriterion::uniform && mesh.is_within_tolerance() ? "within tolerance"
+                                                                               : "as deep as --depth allows";
     case AdaptStop::no_room:
       return "no room for more";
     case AdaptStop::operations:
@@ -104,7 +106,8 @@ const char* reason(AdaptStop stop, bool is_deepest) {
   return "too many operations";
 }
 
-void print_report(const ModelMesh& mesh, const std::string& path, std::ostream& out) {
+void print_report(const ModelMesh& mesh, MeshCriterion criterion, const std::string& path,
+                  std::ostream& out) {
   const MeshStatistics size = mesh.mesh().compute_statistics();
   const ContourError error = mesh.measure();
   char line[256];
@@ -117,8 +120,7 @@ void print_report(const ModelMesh& mesh, const std::string& path, std::ostream& 
                 static_cast<double>(error.area_mm2));
   out << line;
   std::snprintf(line, sizeof line, "adapted in %.1f ms: %d splits, %d welds, %s\n", mesh.milliseconds(),
-                mesh.report().splits, mesh.report().welds,
-                reason(mesh.report().stop, size.deepest >= mesh.mesh().limits().max_level));
+                mesh.report().splits, mesh.report().welds, reason(mesh, criterion));
   out << line;
 }
 
@@ -151,7 +153,7 @@ int run_mesh(const Args& args, Console& console) {
   const MeshData data = mesh_data(mesh);
   if (output) write_file(*output, bytes_of(written_mesh(args, data), format, file.model()));
   if (const auto chart = args.text("--uv-svg")) write_file(*chart, chart_svg(data));
-  print_report(mesh, output.value_or(file.path()), console.out);
+  print_report(mesh, request.criterion, output.value_or(file.path()), console.out);
   return 0;
 }
 

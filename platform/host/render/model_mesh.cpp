@@ -64,6 +64,9 @@ void ModelMesh::adapt(const MeshRequest& request) {
   options.vertex_budget = request.budget;
   require(adapter_->start(*mesh_, surface_.surface(), criterion), "base mesh");
   report_ = adapter_->adapt(options);
+  for (const FaceId f : mesh_->faces())
+    is_within_tolerance_ =
+        is_within_tolerance_ && !(criterion.refine_rank(criterion.context, shape(), f) > 1);
 }
 
 ContourError ModelMesh::measure() const {

@@ -49,6 +49,8 @@ class ModelMesh {
   Shape shape() const { return adapter_->shape(); }
   ModelSurface& surface() const { return surface_; }
   const AdaptReport& report() const { return report_; }
+  /// True if no face asks to be refined, those included that are as deep as the request allows.
+  bool is_within_tolerance() const { return is_within_tolerance_; }
   double milliseconds() const { return milliseconds_; }
   /// Error against the surface, weighted by area, from some 200,000 samples.
   ContourError measure() const;
@@ -61,6 +63,7 @@ class ModelMesh {
   Owned<Adapter> adapter_;
   AdaptReport report_;
   double milliseconds_ = 0;
+  bool is_within_tolerance_ = true;
 };
 
 }  // namespace pliant::host

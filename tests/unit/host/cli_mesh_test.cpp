@@ -172,6 +172,22 @@ TEST_CASE("the mean error of every triangle is within the contour threshold wher
   }
 }
 
+TEST_CASE(
+    "a mesh that just needs the depth it may have is within tolerance, and one that needs more is not") {
+  const MeshFolder m;
+  const auto at_depth = [&m](double depth) {
+    return m.mesh({"--threshold", "0.1", "--depth", std::to_string(static_cast<int>(depth))});
+  };
+  const Ran free = at_depth(20);
+  const double deepest = reported(free.out, "deepest level ");
+  const Ran enough = at_depth(deepest), short_of_one = at_depth(deepest - 1);
+  CHECK(reported(enough.out, "m.plm: ") == reported(free.out, "m.plm: "));
+  CHECK(contains(enough.out, "within tolerance"));
+  CHECK(contains(short_of_one.out, "as deep as --depth allows"));
+  CHECK(contains(m.mesh({"--criterion", "uniform", "--depth", "2"}).out, "as deep as --depth allows"));
+  CHECK_FALSE(contains(m.mesh({"--criterion", "none"}).out, "within tolerance"));
+}
+
 TEST_CASE("a budget is kept, whatever the criterion, and a depth as well") {
   const MeshFolder m;
   for (const char* criterion : {"uniform", "normals", "contour"})
