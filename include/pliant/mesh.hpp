@@ -40,7 +40,7 @@ class Mesh {
   /// The defects that show without topology: bad_argument, capacity, bad_index, degenerate_face.
   static Status check_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corners,
                                 const MeshLimits& limits);
-  /// Copies everything from a mesh of the same limits. \return bad_argument for other limits.
+  /// Copies everything from a mesh of the same limits. \return bad_argument for other limits, or none.
   Status copy_from(const Mesh& other);
 
   // --- Size, O(1) ---

@@ -165,7 +165,7 @@ Status Mesh::set_base(Span<const Vec2> uv, Span<const std::uint16_t> corners) {
 }
 
 Status Mesh::copy_from(const Mesh& other) {
-  if (vertices_ == nullptr || other.limits_.vertices != limits_.vertices ||
+  if (vertices_ == nullptr || other.vertices_ == nullptr || other.limits_.vertices != limits_.vertices ||
       other.limits_.faces != limits_.faces || other.limits_.max_level != limits_.max_level)
     return Status::bad_argument;
   const std::size_t half_edges = 3 * std::size_t{limits_.faces};

@@ -451,6 +451,9 @@ TEST_CASE("copies are equal and independent") {
   Random random{41};
   for (int i = 0; i < 50; ++i) (void)a.mesh.refine(random_face(a.mesh, random));
   CHECK(c.mesh.copy_from(a.mesh) == Status::bad_argument);
+  MeshBox usual{MeshLimits{}};  // the limits that a mesh has before its layout
+  const Mesh no_mesh;
+  CHECK(usual.mesh.copy_from(no_mesh) == Status::bad_argument);
   REQUIRE(b.mesh.copy_from(a.mesh) == Status::ok);
   CHECK(b.block.copy() == a.block.copy());
   CHECK(b.mesh.compute_digest() == a.mesh.compute_digest());
