@@ -94,7 +94,8 @@ class Adapter {
   /// the worst face that fits is refined, when its rank is within that factor of the highest. When all faces
   /// are within tolerance, vertices whose removal keeps them there by the hysteresis are welded. Above the
   /// budget, the cheapest vertices are welded whatever their cost (docs/algorithms.md, section 1.8).
-  /// Cost: O(log n) and the ranking of about 6 triangles an operation.
+  /// Cost: O(log n) and the ranking of about 6 triangles an operation. A criterion that sees neighbours takes twice as many, and
+  /// all triangles of the mesh are ranked again after each of at most max_level + 1 passes.
   AdaptReport adapt(const AdaptOptions& options);
 
   /// Samples all vertices again, after the surface has changed. Cost: a sample a vertex.

@@ -45,7 +45,7 @@ Criterion criterion_of(const AdaptTests& tests);  ///< The criterion of these op
 
 /// Every face down to a number of bisections of the base mesh, coarse ones first.
 struct Unconditional {
-  int levels = 3;  ///< bisections
+  int levels = 3;  ///< bisections; 0 or less: the base mesh
 };
 /// The criterion of these options, which must outlive it.
 Criterion criterion_of(const Unconditional& options);
@@ -55,7 +55,8 @@ Criterion criterion_of(const Unconditional& options);
 /// Detects ridges, valleys and jagged boundaries: by the angle between the normals of two faces at an edge,
 /// or, at a boundary edge, between the mean normals of the faces around its two ends.
 struct NormalsOptions {
-  float cos_angle = 0.96593f;     ///< cosine of the tolerated angle (15 degrees)
+  /// Cosine of the tolerated angle (15 degrees). With 1 or more, no triangle is refined.
+  float cos_angle = 0.96593f;
   float shortest_edge_mm = 0.5f;  ///< a triangle whose subdivision edge is shorter is not refined
 };
 /// The criterion of these options, which must outlive it.
@@ -103,7 +104,7 @@ struct ViewOptions {
   float focal_px = 500;                   ///< px
   float cx = 159.5f, cy = 119.5f;         ///< principal point
   float width_px = 320, height_px = 240;  ///< of the picture
-  float tolerance_px = 0.5f;              ///< error that ranks 1
+  float tolerance_px = 0.5f;              ///< error that ranks 1; with 0 or less, no triangle is refined
   /// Factor on the error of triangles turned by 75 to 105 degrees from the camera. Round value, not tuned.
   float silhouette_gain = 3;
   /// Of those turned further, and those more than 20 px outside the image. Round value, not tuned.

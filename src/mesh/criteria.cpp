@@ -27,8 +27,8 @@ Criterion criterion_of(const AdaptTests& tests) {
 namespace {
 
 float unconditional_rank(const void* context, int level) {
-  const int missing = static_cast<const Unconditional*>(context)->levels - level;
-  return missing > 0 ? 1.0f + static_cast<float>(missing) : 0.0f;
+  const int levels = static_cast<const Unconditional*>(context)->levels;
+  return levels > level ? 1.0f + static_cast<float>(levels - level) : 0.0f;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "aligned_block.hpp"
@@ -120,12 +121,12 @@ TEST_CASE("unconditional refinement to depth n multiplies the faces by two to th
   Bumps bumps;
   Unconditional depth{0};
   Setup s(limits(2000, 4000), shapes::block_grid(4), bumps.surface(), criterion_of(depth));
-  for (const int n : {3, 5, 6, 2, 0}) {
+  for (const int n : {3, 5, 6, 2, 0, 3, std::numeric_limits<int>::min()}) {
     depth.levels = n;
     s.adapter.rerank();
     const AdaptReport report = s.adapter.adapt({});
     CHECK(report.stop == AdaptStop::converged);
-    CHECK(s.box.mesh.face_count() == 32 << n);
+    CHECK(s.box.mesh.face_count() == 32 << (n > 0 ? n : 0));
     CHECK(report.worst_rank == 0);
     CHECK(s.box.mesh.validate().invariant == 0);
   }
