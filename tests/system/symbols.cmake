@@ -6,8 +6,21 @@ set(forbidden
   "^_Zn[wa]" "^_Zd[la]"                       # operator new and delete
   "^__cxa_" "^_Unwind" "^__gxx_personality" "^_ZTI" "^_ZTVN10__cxxabi"
   "^_ZNSt" "^_ZSt"                            # the C++ standard library's code
-  "^(sin|cos|tan|exp|log|pow|atan2|acos|asin|floor|ceil|round|fmod|hypot|cbrt)f?$"
-  "^(printf|puts|fopen|fwrite)")
+  "^(a?(sin|cos|tan)h?|sincos|atan2|exp|exp2|exp10|expm1|log|log2|log10|log1p|i?logb|pow|cbrt|hypot|erfc?|[lt]gamma)[fl]?$"
+  "^(floor|ceil|trunc|l?l?(round|rint)|nearbyint|fmod|remainder|remquo|modf|frexp|ldexp|scalbl?n|fma|fdim|nextafter)[fl]?$"
+  "^(v?[fs]?n?printf|v?[fs]?scanf|puts|fopen|fwrite|strto[a-z]+|ato[a-z]+)$")
+# The list knows what a rounding, a power and a number as text call.
+foreach(symbol lroundf truncf fmaf exp2f log10f atanf tanhf ldexpf llrint pow printf snprintf strtof)
+  set(is_known FALSE)
+  foreach(pattern IN LISTS forbidden)
+    if(symbol MATCHES "${pattern}")
+      set(is_known TRUE)
+    endif()
+  endforeach()
+  if(NOT is_known)
+    message(FATAL_ERROR "${symbol} would not be found")
+  endif()
+endforeach()
 set(found "")
 function(search file)
   execute_process(COMMAND ${NM} ${ARGN} --format=posix ${file} OUTPUT_VARIABLE text RESULT_VARIABLE result ERROR_QUIET)
