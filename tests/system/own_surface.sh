@@ -31,6 +31,11 @@ check() {
 }
 check printed
 
+# The memory that the page on porting states for this surface.
+bytes=$(pliant plan sheet.plm --profile s | awk '$1 == "arena" { print $2 }' | sed 's/...$/,&/')
+grep -q "profile S takes $bytes bytes" "$source/docs/porting.md" || {
+  echo "docs/porting.md does not say that profile S takes $bytes bytes"; exit 1; }
+
 # The start by hand. The truth of frame 0 as a fit, whose handles are on the page; all nine are placed there, to the pixel.
 block 2 > commands
 [ "$(wc -l < commands)" -eq 2 ] || { echo "the start by hand does not have two commands"; exit 1; }
