@@ -17,7 +17,7 @@ inline constexpr std::size_t kMcdMaxRows = 4096;
 inline constexpr float kMcdOffSubspace = 1e30f;
 
 /// Fix the memory of an Mcd: the largest data. Bytes for p columns: 8 a value, 24 a row, 1,290 a column, 150
-/// p^2, and 20 kB: 50 kB for 256 x 6, 1 MB for 4096 x 24. About 16 kB of stack besides.
+/// p^2, and 20 kB: 50 kB for 256 x 6, 1 MB for 4096 x 24. About 2 kB of stack besides.
 struct McdLimits {
   std::size_t rows = 512;   ///< at most kMcdMaxRows
   std::size_t columns = 6;  ///< at most kMcdMaxColumns

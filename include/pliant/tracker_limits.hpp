@@ -54,7 +54,7 @@ struct TrackerLimits {
   std::uint8_t key_frames = 4;      ///< later key frames kept at a time
   std::uint16_t markers = 0;        ///< image points that are tracked with the surface and never observed
   std::uint16_t curve_points = 96;  ///< edge points on lids, lips and brows; 0: edges are not matched there
-  /// Edge points on the silhouette. 1.4 kB each with the built-in face, and 16 bytes a vertex if there are any.
+  /// Edge points on the silhouette. 1.2 kB each with the built-in face, and 16 bytes a vertex if there are any.
   std::uint16_t silhouette_points = 0;
   /// If null, edges are not matched: there are no edge points, and their code, 4 kB on a Cortex-M, is not linked.
   const EdgeMatching* edges = &kEdgeMatching;
@@ -98,8 +98,8 @@ struct TrackerLimits {
   const Detection* detection = &kDetection;
   /// Aligns the face again while it is tracked: in each frame in which the templates fail, so that it is tracked in changing light;
   /// and now and then, to begin anew where more of the face is seen than at a start by alignment (docs/algorithms.md, 7.15).
-  /// 87 KiB with the built-in face, and a thumbnail more, by which cuts are told. If null, none of this is done, and the code is
-  /// left out of the program.
+  /// 72 kB with the built-in face and the default limits, which share memory with it; 45 kB with those of profile L, 88 kB with
+  /// those of profile S. If null, none of this is done, and the code is left out of the program.
   const SecondLook* second_look = &kSecondLook;
   /// Estimates the identity parameters while the head turns far (docs/algorithms.md, section 7.20). Identity
   /// that a start gives, with a pose or a saved state, stays. If null, it always stays, and the code is left

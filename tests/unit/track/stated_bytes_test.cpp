@@ -45,7 +45,7 @@ TEST_CASE(
   check_about(increase<Estimator>(limits, [](auto& l) { l.silhouette_points = 40; }),
               40 * 256 + 16 * vertices);
   check_about(increase<Tracker>(TrackerLimits{}, [](auto& l) { l.silhouette_points = 40; }),
-              40 * 1300 + 16 * vertices);
+              40 * 1200 + 16 * vertices);
   limits.rejection_sample = 0;
   check_about(increase<Estimator>(limits, [](auto& l) { l.rejection_sample = 50; }), 35e3 + 50 * 150);
   check_about(increase<Estimator>(limits, [](auto& l) { l.rejection_sample = 100; }), 35e3 + 100 * 150);
@@ -89,6 +89,16 @@ TEST_CASE("FaceDetector, FaceAligner, PatchLimits and McdLimits state their byte
   check_about(measured_bytes<PatchTracker>(PatchLimits{0, 21, 3, 4}), 29e3);
   check_about(measured_bytes<Mcd>(McdLimits{256, 6}), 50e3);
   check_about(measured_bytes<Mcd>(McdLimits{4096, 24}), 1e6);
+}
+
+TEST_CASE("TrackerLimits states what second looks cost with each profile") {
+  const auto of_looks = [](TrackerLimits limits) {
+    limits.second_look = nullptr;
+    return increase<Tracker>(limits, [](auto& l) { l.second_look = &kSecondLook; });
+  };
+  check_about(of_looks(profile_s()), 88e3);
+  check_about(of_looks(TrackerLimits{}), 72e3);
+  check_about(of_looks(profile_l()), 45e3);
 }
 
 TEST_CASE("the search at any roll takes of profile S 8 kB more, of the others nothing: a track's memory holds the turned frame") {
