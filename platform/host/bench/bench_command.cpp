@@ -25,6 +25,7 @@ int run_klt(const Args& args, Console& console) {
                          args.integer("--count", 480, 2, 1000000)};
   if (!inputs.pairs && inputs.motions.empty() && !inputs.frames)
     fail_usage("klt needs --pairs, --motion or --frames");
+  args.check_needs("--count", "--frames");
   bench_klt(console.out, inputs);
   return 0;
 }
@@ -52,6 +53,8 @@ int run_detection(const Args& args, Console& console) {
   if (!inputs.portraits && !inputs.others && !inputs.film)
     fail_usage("detection needs --portraits, --others or --film");
   if (inputs.film.has_value() != inputs.truth.has_value()) fail_usage("--film and --truth need each other");
+  if (!inputs.portraits && !inputs.others)
+    args.refuse({"--count"}, "has nothing to act on: --portraits or --others is needed");
   bench_detection(console.out, ModelFile(args.required("--model")), inputs);
   return 0;
 }

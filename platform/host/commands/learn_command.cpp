@@ -23,6 +23,10 @@ struct TrainingPictures {
     if (faces != "none") {
       photographs = learn::read_photographs(model, faces, learn::Portion::training, threads);
       if (photographs.empty()) fail_input(faces, "has no photograph to learn from");
+      std::string names;
+      for (const std::string& name : learn::unknown_landmarks(model, faces))
+        names += (names.empty() ? "" : ", ") + name;
+      if (!names.empty()) console.err << faces << "/landmarks.csv: the model has no landmark " << names << "\n";
     }
     others = learn::read_other_pictures(pictures);
     if (const auto folder = args.text("--drawn")) drawn = learn::read_other_pictures(*folder);
@@ -56,6 +60,8 @@ LearntTables kept_tables(const Args& args, const std::string& output) {
   if (only.empty()) return {};
   if (only != "detector" && only != "aligner" && only != "parts")
     fail_usage("--only: detector, aligner or parts, not " + only);
+  if (only != "aligner")
+    args.refuse({"--drawn"}, "does not apply to --only " + only + ": verification learns from it, with the aligner");
   return read_learnt(output);
 }
 

@@ -24,6 +24,8 @@ struct PhotographTuning {
 };
 constexpr PhotographTuning kTuning{};
 
+constexpr const char* kPupilNames[] = {"pupil_r", "pupil_l"};
+
 void set_landmarks(const Model& model, const AnnotatedPicture& annotated, Photograph& out) {
   Owned<Cascade> cascade(model);
   const Projector projector(view_of(out.pose, out.camera), true);
@@ -35,7 +37,7 @@ void set_landmarks(const Model& model, const AnnotatedPicture& annotated, Photog
       out.trust[k] = kTrustFitted;
   for (const AnnotatedLandmark& a : annotated.landmarks)
     for (const int side : {0, 1})
-      if (a.name == (side == 0 ? "pupil_r" : "pupil_l")) {
+      if (a.name == kPupilNames[side]) {
         out.pupils.x[side] = a.x;
         out.pupils.trust[side] = kTrustAnnotated;
       }
@@ -154,6 +156,20 @@ std::vector<Photograph> read_photographs(const Model& model, const std::string& 
   for (std::size_t k = 0; k < fitted.size(); ++k)
     if (is_fitted[k] != 0) photographs.push_back(std::move(fitted[k]));
   return photographs;
+}
+
+std::vector<std::string> unknown_landmarks(const Model& model, const std::string& folder) {
+  const std::string path = folder + "/landmarks.csv";
+  const CsvTable table(path, read_file(path));
+  const std::size_t landmark = table.column("landmark");
+  std::vector<std::string> unknown;
+  for (std::size_t row = 0; row < table.row_count(); ++row) {
+    const std::string& name = table.cell(row, landmark);
+    const bool is_known = model.find_landmark(name.c_str()) != kNone ||
+                          std::find(std::begin(kPupilNames), std::end(kPupilNames), name) != std::end(kPupilNames);
+    if (!is_known && std::find(unknown.begin(), unknown.end(), name) == unknown.end()) unknown.push_back(name);
+  }
+  return unknown;
 }
 
 }  // namespace pliant::host::learn

@@ -50,6 +50,10 @@ bool is_held_out(std::string_view name);
 std::vector<Photograph> read_photographs(const Model& model, const std::string& folder, Portion portion,
                                          int threads = 2);
 
+/// Names of FOLDER/landmarks.csv that are neither landmarks of the model nor pupils, in the order of the file. Training ignores
+/// their points.
+std::vector<std::string> unknown_landmarks(const Model& model, const std::string& folder);
+
 /// The name of the landmark at the same place in the mirror image: ibug36 for ibug45, mouth_left for mouth_right. The
 /// name itself for a landmark in the middle, or of another scheme.
 std::string mirrored_landmark(const std::string& name);

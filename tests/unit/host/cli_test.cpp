@@ -90,7 +90,11 @@ TEST_CASE("an option that has nothing to act on is refused, and named") {
        "--texture", folder / "x.glb"},
       {"--people", "render", model, "--params", timed, "-o", folder / "x.y4m", "--people", timed},
       {"--rate", "animate", model, "--params", timed, "-o", folder / "x.glb", "--rate", "25"},
+      {"--drawn", "learn", model, "--faces", "none", "--others", sheet, "--drawn", sheet, "--only", "parts", "-o",
+       folder / "x.bin"},
       {"--pairs", "bench", "mcd", "--pairs", sheet},
+      {"--count", "bench", "klt", "--pairs", sheet, "--count", "9"},
+      {"--count", "bench", "detection", "--model", model, "--film", timed, "--truth", timed, "--count", "9"},
       {"--model", "bench", "fit", "--model", model}};
   const std::size_t files = folder.file_count();
   for (const std::vector<std::string>& c : cases) {

@@ -100,6 +100,9 @@ TEST_CASE("photographs are read by portion, each followed by its mirror image") 
   }
   std::sort(seen.begin(), seen.end());
   CHECK(seen == names);
+  CHECK(unknown_landmarks(baked_face().model, folder.path.string()).empty());
+  folder.put("landmarks.csv", rows + "fay,pupil_r,1,1\nfay,iBUG36,1,1\nfay,ibug36,1,1\nann,lip,1,1\nann,iBUG36,1,1\n");
+  CHECK(unknown_landmarks(baked_face().model, folder.path.string()) == std::vector<std::string>{"iBUG36", "lip"});
 }
 
 TEST_CASE("brows that are not annotated are found in the picture") {
