@@ -260,8 +260,10 @@ def recorded(s):
                  '(`tracking_floor`).', '',
                  table(['points', 'NME %'], [['%s %s' % (pairs_of(l)['points'], l.split(':')[0]), '%.2f' % float(pairs_of(l)['nme'])]
                                              for l in lines])]
-    except Missing:
-        pass
+    except Missing as reason:
+        print('  kept as it is: the lower limit: %s' % reason, file=sys.stderr)
+        with open(DOCUMENT) as file:
+            text += re.findall(r'^Lower limit.*?(?=^Measured )', block(file.read(), 'recorded'), re.S | re.M)
     return '\n'.join(text)
 
 
