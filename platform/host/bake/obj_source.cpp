@@ -37,6 +37,8 @@ bool is_obj_file(const std::string& source) {
 constexpr std::size_t kMostVertices = 250000;
 /// Largest distance of a vertex from the origin, millimetres: a tenth of what a table can hold.
 constexpr float kFarthestMm = 1e5f;
+/// Fraction of the variance of scans below which a component is what rounding leaves: it moves them by less than a table resolves.
+constexpr float kLeastExplained = 1e-9f;
 
 /// Name of a file without its folder and ending.
 std::string name_of(const std::string& path) {
@@ -237,6 +239,9 @@ class FolderReader {
       add_parameter(folder_,
                     "identity" + std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits,
                     Group::identity, std::move(pca.components[k]));
+      if (pca.explained[k] < kLeastExplained)
+        source_.warnings.push_back("the scans differ in fewer ways than " + std::to_string(options_.components) +
+                                   ": the parameter '" + source_.parameters.back().name + "' moves nothing");
     }
   }
 
@@ -298,6 +303,8 @@ class FolderReader {
       if (!(p->minimum <= 0 && p->minimum >= -1000 && p->maximum >= 0 && p->maximum <= 1000 &&
             p->sd >= 1e-3f && p->sd <= 1000))
         table.fail(row, "needs -1000 <= minimum <= 0 <= maximum <= 1000 and 0.001 <= sd <= 1000");
+      if (p->minimum == p->maximum)
+        source_.warnings.push_back("parameters.txt limits '" + name + "' to 0 and 0: the parameter moves nothing");
     }
   }
 

@@ -469,6 +469,27 @@ TEST_CASE("a file that is the rest shape once more is told of: its parameter mov
   baked_coarsely(folder, &report);
   CHECK(warns(report, "ear_L.obj is the rest shape: the parameter 'earLeft' moves nothing"));
   CHECK_FALSE(warns(report, "bend"));
+  folder.put("parameters.txt", "parameter group minimum maximum sd\nbend expression 0 0 1\n");
+  baked_coarsely(folder, &report);
+  CHECK(warns(report, "parameters.txt limits 'bend' to 0 and 0: the parameter moves nothing"));
+}
+
+TEST_CASE("scans that differ in fewer ways than components are wanted: those that move nothing are told of") {
+  const ObjFolder folder("few_ways");
+  for (const char* const name : {"a", "b", "c", "d"})
+    folder.write(name, [by = static_cast<float>(name[0] - 'b')](float s, float t) {
+      return curved_sheet(s, t) + Vec3{0, 0, by * s * s};
+    });
+  BakeOptions options;
+  options.source = folder.path.string();
+  options.size = 16;
+  options.components = 2;
+  std::vector<std::uint8_t> table;
+  std::string error;
+  host::bake::BakeReport report;
+  REQUIRE_MESSAGE(host::bake::bake(options, table, error, &report), error);
+  CHECK(warns(report, "the scans differ in fewer ways than 2: the parameter 'identity001' moves nothing"));
+  CHECK_FALSE(warns(report, "identity000"));
 }
 
 }  // namespace obj_test
