@@ -248,7 +248,8 @@ class CheckLearning {
 
   void add(std::vector<Evidence> more) { std::move(more.begin(), more.end(), std::back_inserter(all_)); }
 
-  /// Learns the appearance: without each half of the people and pictures, and of all.
+  /// Learns the appearance: without each half of the people and of the parts of other pictures, and of all. A picture has parts in
+  /// both halves, so that what is no face is told by weights that know other parts of it.
   void learn() {
     choose_examples();
     run_parallel(options_.threads, 3, [&](std::size_t k, std::size_t) {

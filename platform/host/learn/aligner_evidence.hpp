@@ -18,7 +18,7 @@ struct Evidence {
   float gate = 0.5f;
   float displacement = 0, parameters = 0;
   float error = 0;  // of the landmarks; 1 where there is no face
-  int half = 0;     // examples of one half are scored by weights learnt from the other
+  int half = 0;     // examples of one half are scored by weights learnt from the other; of no face, by number, not by picture
   double appearance = 0, text = 0;
   std::array<double, kFaceParts> part{};         // of the appearance, each part's
   std::array<double, kFaceParts> part_weight{};  // of the weights

@@ -1,6 +1,7 @@
 #include "host/learn/photographs.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 
 #include "face/aligner_table.hpp"
