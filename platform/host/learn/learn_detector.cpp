@@ -6,6 +6,7 @@
 #include <iterator>
 #include <string>
 
+#include "host/io/failure.hpp"
 #include "host/io/table_checksum.hpp"
 #include "host/learn/boosted_trees.hpp"
 #include "host/learn/detector_calibration.hpp"
@@ -103,6 +104,10 @@ std::vector<std::uint8_t> learn_detector(const FaceSamples& faces, const OtherPi
     return std::max(std::size_t{1}, static_cast<std::size_t>(options.effort * static_cast<double>(count)));
   };
   const FaceExamples examples = draw_faces(faces, fraction(kTuning.samples), options, progress);
+  if (examples.training.empty() || examples.checking.empty())
+    fail_input("detection", std::to_string(examples.training.size()) + " windows of faces train, and " +
+                                std::to_string(examples.checking.size()) +
+                                " faces of other people set thresholds: give photographs of more people, or more effort");
   std::vector<Window> negatives = draw_others(others, fraction(kTuning.random_others), options);
   std::vector<DetectorTree> trees;
   for (std::size_t round = 0; round < std::size(kTuning.trees); ++round) {

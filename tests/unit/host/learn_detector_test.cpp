@@ -3,10 +3,12 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "baked_face.hpp"
 #include "face/detector_table.hpp"
+#include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
 #include "host/learn/drawn_portraits.hpp"
 #include "pliant/face_detector.hpp"
@@ -89,6 +91,21 @@ TEST_CASE("a small training finds faces of other people, and little where there 
   MESSAGE("found " << found << " of 40, false " << false_hits << " of " << empty.count());
   CHECK(found >= 32);
   CHECK(false_hits <= 4);
+}
+
+TEST_CASE("photographs of one person are refused: they only set the thresholds, and nothing trains") {
+  const OtherPictures others = textures(1);
+  std::vector<Photograph> portraits =
+      draw_portraits(baked_face().model, FaceSheet(baked_face().model, 2), others, 2, 5, 0);
+  const auto is_another = [&](const Photograph& p) { return p.person != portraits[0].person; };
+  portraits.erase(std::remove_if(portraits.begin(), portraits.end(), is_another), portraits.end());
+  portraits[0].person = 0;
+  LearnOptions options;
+  options.effort = 0.001;
+  FaceSampleTuning tuning = easy();
+  tuning.drawn_fraction = 0;
+  const FaceSamples samples(baked_face().model, portraits, others, 5, tuning);
+  CHECK_THROWS_AS(learn_detector(samples, others, options, {}), Failure);
 }
 
 TEST_CASE("the table is the same bytes whatever the number of threads") {
