@@ -29,19 +29,27 @@ std::vector<FormatOffer> offers_of(const lc::StreamFormats& formats) {
 
 }  // namespace
 
+// The lock is also held while the last user's manager stops: libcamera aborts the process if another one begins beside it. No
+// object here is destroyed at the end of the program, when a stream of the caller's may still be there.
 std::shared_ptr<lc::CameraManager> shared_camera_manager() {
   static std::mutex mutex;
-  static std::weak_ptr<lc::CameraManager> current;
-  const std::lock_guard<std::mutex> lock(mutex);
-  if (auto manager = current.lock()) return manager;
-  auto fresh = std::make_unique<lc::CameraManager>();
-  if (fresh->start() != 0) return nullptr;
-  std::shared_ptr<lc::CameraManager> manager(fresh.release(), [](lc::CameraManager* m) {
-    m->stop();
-    delete m;
-  });
-  current = manager;
-  return manager;
+  static lc::CameraManager* current = nullptr;
+  static std::size_t users = 0;
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (users == 0) {
+      auto fresh = std::make_unique<lc::CameraManager>();
+      if (fresh->start() != 0) return nullptr;
+      current = fresh.release();
+    }
+    ++users;
+  }
+  return {current, [](lc::CameraManager* manager) {
+            const std::lock_guard<std::mutex> lock(mutex);
+            if (--users > 0) return;
+            manager->stop();
+            delete manager;
+          }};
 }
 
 std::shared_ptr<lc::Camera> find_camera(const lc::CameraManager& manager, const std::string& name) {
