@@ -65,6 +65,9 @@ std::shared_ptr<lc::Camera> find_camera(const lc::CameraManager& manager, const 
 
 CameraSession::~CameraSession() {
   if (camera == nullptr) return;
+  // Where something else keeps the manager, the camera stays, and is opened again: its calls must not come here then.
+  camera->requestCompleted.disconnect(this);
+  camera->disconnected.disconnect(this);
   requests.clear();
   planes.clear();
   if (allocator != nullptr) allocator->free(stream);

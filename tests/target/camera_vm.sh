@@ -1,8 +1,8 @@
 #!/bin/sh
 # `pliant track --frames camera:` on a camera that is really there: the distribution's kernel and libcamera in a virtual
 # machine, with a USB camera that plays a video (usb_camera.py). Tracks a rendered sequence, and the Talking Face where
-# PLIANT_DATA names the folder that holds it, and compares each with the track of the file; then pulls the plug in
-# mid-run, with udev in the guest and without. No hardware and no /dev/kvm; about two minutes.
+# PLIANT_DATA names the folder that holds it, and compares each with the track of the file; opens the camera again in one
+# process; then pulls the plug in mid-run, with udev in the guest and without. No hardware and no /dev/kvm; about two minutes.
 # Says so and passes where the machine cannot be made: no x86-64, no QEMU, no kernel package.
 # usage: sh tests/target/camera_vm.sh PATH-OF-pliant WORK-FOLDER
 set -eu
@@ -50,6 +50,7 @@ boot() {
   for name in sh mount insmod sleep cat base64 poweroff; do ln -s busybox "$root/bin/$name"; done
   put_program "$pliant" /bin/pliant
   put_program "$(dirname "$pliant")/pliant-camera.so" /bin/pliant-camera.so
+  put_program "$(dirname "$pliant")/tests/camera_reopen" /bin/camera_reopen
   put_program "$parts/bin/udevadm" /bin/udevadm
   cp "$root/bin/udevadm" "$root/bin/systemd-udevd"
   for module in xhci_pci uvcvideo; do modprobe -d "$parts" -S "$kernel" --show-depends "$module"; done |
@@ -128,6 +129,18 @@ NUMBERS
   awk "BEGIN { exit !($rows >= 0.8 * $5 && $px >= 0 && $px < $6) }" || fail "$1: not as the file"
 }
 
+# reopen NAME VIDEO: a camera that is opened again in one process gives each frame once, and nothing of its first opening.
+reopen() {
+  cat > "$work/$1.sh" <<TEST
+MALLOC_PERTURB_=85 camera_reopen
+echo "guest: exit \$?"
+TEST
+  cp "$work/rendered.points.csv" "$work/$1.points.csv"
+  boot "$1" "$2" 4 -1 yes
+  grep -q 'guest: exit 0' "$work/$1.log" || fail "$1: $(grep -a 'opening\|guest: exit' "$work/$1.log" | tr '\n' ' ')"
+  echo "camera_vm: $1: $(grep -a 'openings' "$work/$1.log")"
+}
+
 # unplug NAME VIDEO WITH-UDEV: the run ends by itself, with one clear line, exit 1, and the frames before it.
 unplug() {
   cat > "$work/$1.sh" <<TEST
@@ -152,6 +165,7 @@ awk -v frames=60 -f "$fixtures/frames/motion.awk" | awk 'NR == 2 { for (i = 0; i
 awk -F, 'NR == 1 { print "landmark,x,y" } $1 == "0" && $2 ~ /^ibug/ { print $2 "," $3 "," $4 }' "$work/truth.csv" \
   > "$work/rendered.points.csv"
 track_both rendered "$work/rendered.y4m" 320x240 4 50 0.5
+reopen reopened "$work/rendered.y4m"
 unplug unplugged "$work/rendered.y4m" yes
 unplug unplugged_without_udev "$work/rendered.y4m" no
 
