@@ -47,7 +47,7 @@ pliant_status pliant_create(void *memory, size_t bytes, const void *table, size_
 /** Ends the track, if there is one, and forgets the person: the next pliant_update searches for the face or print. A
  *  new tracker does so by itself, if its table has learnt tables (pliant learn) or a print. The next frame may have any
  *  time.
- *  \param options  null: nothing is known. \return PLIANT_NOT_FOUND: the table has neither. */
+ *  \param options  null: nothing is known. \return PLIANT_NOT_FOUND: the table has neither, or the frames are too large. */
 pliant_status pliant_start_by_detection(pliant_tracker *tracker, const pliant_start_options *options);
 
 /** Starts from a known pose. The frame of a start is frame 0; templates are captured in it. Cost: several updates.
@@ -86,7 +86,7 @@ pliant_status pliant_save(const pliant_tracker *tracker, pliant_state *state);
 
 /** Tracks the next frame; while there is no track, searches it for the face or print, which is tracked from this frame
  *  on. Cost: docs/evaluation.md.
- *  \return PLIANT_NOT_STARTED (no track, and the table has neither learnt tables nor a print), 4 to 9 (the tables of
+ *  \return PLIANT_NOT_STARTED (no track, and no search, as pliant_start_by_detection says), 4 to 9 (the tables of
  *          detector, aligner or print), PLIANT_BAD_ARGUMENT (the frame), PLIANT_SIZE_MISMATCH, PLIANT_STALE_FRAME
  *          (neither time nor sequence is after the last frame's), PLIANT_CAPACITY (what was found has more free parameters
  *          than the limits allow: 40 with profile S). */

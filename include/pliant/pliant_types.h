@@ -49,9 +49,10 @@ typedef struct pliant_tracker pliant_tracker;
 
 /** Capacities, which fix the memory. Take them from pliant_profile and change what differs. */
 typedef struct pliant_limits {
-  uint16_t width, height;               /**< of the frames, px; at least 64 */
+  uint16_t width, height;               /**< of the frames, px; 64 to 16,384; above 8,192 a side there is no detection */
   uint16_t region_width, region_height; /**< part of the frame that is matched, px; at least 64; 0 and 0: all of it */
-  uint16_t patches, key_patches;        /**< templates of frame 0, at least 8; of all later key frames together */
+  uint16_t patches;                     /**< templates of frame 0; at least 8, with key_patches at most 16,384 */
+  uint16_t key_patches;                 /**< templates of all later key frames together; at least 4 ('S': 2), or 0 */
   uint16_t vertices;                    /**< of the mesh, at least those of the model's base mesh */
   uint16_t start_points;                /**< landmarks of a start; at least 4, or 0: no start from landmarks */
   uint16_t profile;                     /**< 'S', 'M' or 'L': every other limit is as there */

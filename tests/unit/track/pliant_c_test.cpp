@@ -114,6 +114,8 @@ TEST_CASE("limits that no tracker can be made for are refused") {
   CHECK(refused([](pliant_limits& l) { l.region_height = 0; }));
   CHECK(refused([](pliant_limits& l) { l.patches = 5; }));
   CHECK(refused([](pliant_limits& l) { l.patches = l.key_patches = 0x8000; }));
+  CHECK(refused([](pliant_limits& l) { l.key_patches = 1; }));  // fewer than key frames
+  CHECK(refused([](pliant_limits& l) { l.width = 16385; }));
   CHECK(refused([](pliant_limits& l) { l.start_points = 3; }));
   CHECK(refused([](pliant_limits& l) { l.vertices = 3; }));  // fewer than the base mesh has
   const pliant_limits l = pliant_profile('S');
@@ -128,6 +130,17 @@ TEST_CASE("limits that no tracker can be made for are refused") {
   pliant_limits without = pliant_profile('S');
   without.start_points = 0;
   CHECK(ask(without) == PLIANT_OK);
+  // What the header says of templates of key frames.
+  for (const char profile : {'S', 'M', 'L'}) {
+    pliant_limits few = pliant_profile(profile);
+    const std::uint16_t least = profile == 'S' ? 2 : 4;
+    few.key_patches = 0;
+    CHECK(ask(few) == PLIANT_OK);
+    few.key_patches = least;
+    CHECK(ask(few) == PLIANT_OK);
+    few.key_patches = static_cast<std::uint16_t>(least - 1);
+    CHECK(ask(few) == PLIANT_BAD_ARGUMENT);
+  }
 }
 
 TEST_CASE("all names can be listed before a start, and each of them can be read after it") {
