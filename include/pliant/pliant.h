@@ -8,8 +8,8 @@
  * a frontal face has q = (1,0,0,0).
  *
  * One thread at a time may use a tracker. After a status other than PLIANT_OK nothing has changed and no output is
- * written; the four starts say what they do beyond that. PLIANT_BAD_ARGUMENT is the status of every function for a null
- * pointer that is not said to be allowed, and for a number that is not finite.
+ * written; the four starts and pliant_update say what they do beyond that. PLIANT_BAD_ARGUMENT is the status of every
+ * function for a null pointer that is not said to be allowed, and for a number that is not finite.
  */
 #ifndef PLIANT_H
 #define PLIANT_H
@@ -89,7 +89,7 @@ pliant_status pliant_save(const pliant_tracker *tracker, pliant_state *state);
  *  \return PLIANT_NOT_STARTED (no track, and no search, as pliant_start_by_detection says), 4 to 9 (the tables of
  *          detector, aligner or print), PLIANT_BAD_ARGUMENT (the frame), PLIANT_SIZE_MISMATCH, PLIANT_STALE_FRAME
  *          (neither time nor sequence is after the last frame's), PLIANT_CAPACITY (what was found has more free parameters
- *          than the limits allow: 40 with profile S). */
+ *          than the limits allow: 40 with profile S; the next frame, or this one again, begins a new search). */
 pliant_status pliant_update(pliant_tracker *tracker, const pliant_frame *frame, pliant_result *result);
 
 /** The result of the last frame; after a start, of frame 0. \return PLIANT_NOT_STARTED (neither a track nor a search). */
