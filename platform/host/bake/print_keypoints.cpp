@@ -136,6 +136,14 @@ std::vector<PrintKeypoint> own_of(const std::vector<PrintKeypoint>& all) {
   return own;
 }
 
+/// As many as a table holds, evenly from all of them. They are in the order of the views: without its end, views would be missing.
+std::vector<PrintKeypoint> thinned(const std::vector<PrintKeypoint>& all) {
+  if (all.size() <= kTuning.most) return all;
+  std::vector<PrintKeypoint> kept;
+  for (std::size_t k = 0; k < kTuning.most; ++k) kept.push_back(all[k * all.size() / kTuning.most]);
+  return kept;
+}
+
 template <class T>
 void append(std::vector<std::uint8_t>& bytes, const std::vector<T>& records) {
   const auto* const first = reinterpret_cast<const std::uint8_t*>(records.data());
@@ -185,8 +193,7 @@ std::vector<std::uint8_t> make_print_table(const Model& model) {
       if (half_side <= kTuning.most_half_side_px && half_side >= kTuning.least_half_side_px)
         add(PatchScale::half, 0.5f * levels[level]);
     }
-  keypoints = own_of(keypoints);
-  if (keypoints.size() > kTuning.most) keypoints.resize(kTuning.most);
+  keypoints = thinned(own_of(keypoints));
   if (keypoints.size() < kTuning.least || views.empty() || levels.empty()) return {};
   return written(views, levels, keypoints, size.extent_mm);
 }
