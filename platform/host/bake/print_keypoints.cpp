@@ -24,8 +24,8 @@ struct PrintKeypointTuning {
   /// beyond the surface. Without, the poster is found in 1 of 8 at a height of 66 px, with in 6. 226 instead of 160 finds less on
   /// another print: the table has too many.
   float least_half_side_px = 40, most_half_side_px = 160;
-  /// Keypoints of a picture at most: of the first view of a side, and of a tilted one.
-  std::size_t frontal = 180, tilted = 90;
+  /// Keypoints of a picture of the first view, at least as many as there is room for. Those of other views share the table.
+  std::size_t frontal = 180;
   std::size_t most = 3000;  ///< of the table: 120 kB
   std::size_t least = 16;   ///< of a table that is of use
   /// Fraction of the corners that look like no other place, at least: of checkerboards, bricks and waves 0.08 to 0.15, of blotches
@@ -183,7 +183,7 @@ std::vector<std::uint8_t> make_print_table(const Model& model) {
   const std::size_t each = kTuning.most / std::max<std::size_t>(1, views.size() * levels.size());
   for (std::size_t view = 0; view < views.size(); ++view)
     for (std::size_t level = 0; level < levels.size(); ++level) {
-      const std::size_t most = std::max(each, view == 0 ? kTuning.frontal : std::min(each, kTuning.tilted));
+      const std::size_t most = view == 0 ? std::max(each, kTuning.frontal) : each;
       const auto add = [&](PatchScale patch, float scale) {
         add_keypoints(draw_print(sheet, texture, views[view], scale, size.albedo_px_per_mm), patch, view,
                       level, most, keypoints);
