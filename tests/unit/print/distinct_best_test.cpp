@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <random>
 #include <vector>
@@ -65,6 +66,25 @@ TEST_CASE("of items that are equally good the first one stays") {
   REQUIRE(found.size() == 2);
   CHECK(found[0].kind == 1);
   CHECK(found[1].kind == 2);
+}
+
+TEST_CASE("an item like two that are not like each other takes the place of both, or of neither") {
+  // Those that are at most 2 apart are alike. 12 is the best, then the smallest.
+  const auto list_of = [](const std::vector<int>& values) {
+    std::vector<Item> list(3);
+    std::size_t count = 0;
+    for (const int place : values)
+      insert_distinct(
+          Span<Item>{list.data(), list.size()}, &count, Item{place, place == 12 ? 0 : place},
+          [](const Item& a, const Item& b) { return a.value < b.value; },
+          [](const Item& a, const Item& b) { return std::abs(a.kind - b.kind) <= 2; });
+    std::vector<int> places;
+    for (std::size_t k = 0; k < count; ++k) places.push_back(list[k].kind);
+    return places;
+  };
+  CHECK(list_of({10, 14, 12}) == std::vector<int>{12});
+  CHECK(list_of({10, 14, 30, 12}) == std::vector<int>{12, 30});
+  CHECK(list_of({12, 10, 14}) == std::vector<int>{12});
 }
 
 }  // namespace distinct_best_test

@@ -40,7 +40,8 @@ Image squares() {
 
 }  // namespace
 
-TEST_CASE("where a print has more corners than a table holds, each of its views keeps keypoints of all sizes") {
+TEST_CASE(
+    "where a print has more corners than a table holds, each of its views keeps keypoints of all sizes") {
   const obj_folder::ObjFolder folder("card");
   folder.write("neutral", card);
   bake::BakeOptions options;
@@ -60,9 +61,8 @@ TEST_CASE("where a print has more corners than a table holds, each of its views 
       CAPTURE(view);
       CAPTURE(level);
       const auto first = table.keypoints().begin(), end = table.keypoints().end();
-      CHECK(std::count_if(first, end, [&](const PrintKeypoint& k) {
-              return k.view == view && k.level == level;
-            }) >= 5);
+      CHECK(std::count_if(first, end,
+                          [&](const PrintKeypoint& k) { return k.view == view && k.level == level; }) >= 5);
     }
 }
 
