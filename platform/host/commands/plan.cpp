@@ -259,7 +259,8 @@ void add_alignment_loads(const AlignerTable& aligner, const TrackerLimits& limit
 }
 
 /// What checks of a print add to a tracked frame, and the frames that search for it and start with it.
-void add_print_loads(const Sizes& s, const TrackerLimits& limits, Plan& plan) {
+/// \param most_cells  of the search, in one frame.
+void add_print_loads(const Sizes& s, const TrackerLimits& limits, std::size_t most_cells, Plan& plan) {
   const double blocks = static_cast<double>(kPrintTuning.blocks),
                interval = kPrintTuning.check_interval_frames;
   const double tries =
@@ -274,8 +275,9 @@ void add_print_loads(const Sizes& s, const TrackerLimits& limits, Plan& plan) {
   const char* const kTurned = "places of the print that turn away";
   plan.loads.push_back({kTurned, 0, further * blocks, place});
   plan.loads.push_back({"blocks where a key frame wants templates", 0, tries, kCost.print_block});
-  const double cells = limits.search_work, fits = static_cast<double>(kPrintTuning.solutions);
-  plan.search_loads.push_back({"cells of the search", cells, cells, kCost.print_cell});
+  const double cells = static_cast<double>(most_cells), fits = static_cast<double>(kPrintTuning.solutions);
+  plan.search_loads.push_back(
+      {"cells of the search", std::min<double>(limits.search_work, cells), cells, kCost.print_cell});
   plan.search_loads.push_back({"fits of the print", 0, fits * static_cast<double>(kPrintTuning.most_views),
                                kCost.print_fit + kCost.print_fit_record * s.all_records});
   plan.start_loads = plan.search_loads;
@@ -415,10 +417,11 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
       plan.start_loads.push_back({"readings of the parts of a face", readings, readings, kCost.parts});
   }
   if (limits.detection != nullptr && !model.print().empty() && plan.search.all_cells == 0) {
-    add_print_loads(sizes, limits, plan);
     PrintTable print;
-    if (PrintTable::open(model.print(), &print) == Status::ok)
-      plan.print_search_frames = most_print_search_frames(limits, print.keypoints().count);
+    const bool is_open = PrintTable::open(model.print(), &print) == Status::ok;
+    const PrintSearchPlan search = print_search_plan(limits, print.keypoints().count);
+    add_print_loads(sizes, limits, search.cells, plan);
+    if (is_open) plan.print_search_frames = search.frames;
   }
   add_start_loads(sizes, limits, plan.search.does_both || plan.search.all_cells == 0, plan.start_loads);
   if (limits.keeps_previous && sizes.edges > 0)

@@ -116,16 +116,21 @@ SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
   return plan;
 }
 
-int most_print_search_frames(const TrackerLimits& limits, std::size_t keypoints) {
+PrintSearchPlan print_search_plan(const TrackerLimits& limits, std::size_t keypoints) {
   const PrintTuning& t = kPrintTuning;
-  std::size_t done = 0, corners = t.corners;  // those of the first level are described and compared twice
-  int frames = 1;
+  PrintSearchPlan plan;
+  const std::size_t work = std::max(limits.search_work, std::uint32_t{1});
+  std::size_t done = 0, all = 0;
+  std::size_t corners = t.corners;  // those of the first level are described and compared twice
   const auto add_part = [&](std::size_t cells) {
-    if (done >= limits.search_work && done > 0) {  // a new frame
-      ++frames;
+    if (done >= work) {  // a new frame
+      ++plan.frames;
       done = 0;
     }
     done += cells;
+    // With fewer corners this part may be the one with which a frame ends.
+    plan.cells = std::max(plan.cells, std::min(work - 1, all) + cells);
+    all += cells;
   };
   for (int level = 0, width = limits.width, height = limits.height; level < t.levels; ++level) {
     const std::size_t of_level = t.corners >> level;
@@ -137,7 +142,7 @@ int most_print_search_frames(const TrackerLimits& limits, std::size_t keypoints)
   }
   for (std::size_t k = 0; k < corners; ++k) add_part(keypoints / t.keypoints_per_cell + 1);
   add_part(0);  // notes that there is none left
-  return frames;
+  return plan;
 }
 
 }  // namespace pliant::host

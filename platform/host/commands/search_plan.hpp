@@ -27,8 +27,12 @@ struct SearchPlan {
 /// Of a search for a face.
 SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits);
 
-/// Frames of a search for a print, at most: of one that finds as many corners as there is room for. With fewer, or cheaper ones, no
-/// frame ends before the same part.
-int most_print_search_frames(const TrackerLimits& limits, std::size_t keypoints);
+/// Bounds of a search for a print: of one that finds as many corners as there is room for. With fewer, or cheaper ones, no frame
+/// ends before the same part.
+struct PrintSearchPlan {
+  int frames = 1;         ///< that it takes, at most
+  std::size_t cells = 0;  ///< of one frame, at most: a part that is begun is done
+};
+PrintSearchPlan print_search_plan(const TrackerLimits& limits, std::size_t keypoints);
 
 }  // namespace pliant::host

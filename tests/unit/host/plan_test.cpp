@@ -12,6 +12,7 @@
 #include "host/io/image.hpp"
 #include "host/io/owned.hpp"
 #include "print/print_matcher.hpp"
+#include "print/print_tuning.hpp"
 #include "print_film.hpp"
 #include "random.hpp"
 
@@ -312,6 +313,27 @@ TEST_CASE(
     const WorkCosts costs = tracker->estimator().work_costs(limits.patch_window);
     CHECK(static_cast<double>(costs.of(tracker->work())) <= most_counted_instructions(plan.loads));
   }
+}
+
+TEST_CASE(
+    "the plan bounds the cells of a search for a print: at least a level of the frame, or what is begun, is "
+    "done") {
+  const auto cells_of = [](std::uint16_t width, std::uint16_t height, std::uint32_t work) {
+    TrackerLimits limits = profile_s();
+    limits.width = width;
+    limits.height = height;
+    limits.search_work = work;
+    const auto& loads = make_plan(host::sheet(), limits).search_loads;
+    REQUIRE(std::string(loads.front().what) == "cells of the search");
+    CHECK(loads.front().usual <= loads.front().most);
+    return loads.front().most;
+  };
+  const double of_level = 320 * 240 / kPrintTuning.pixels_per_cell +
+                          static_cast<double>(kPrintTuning.cells_per_descriptor * kPrintTuning.corners);
+  CHECK(cells_of(320, 240, 0) == of_level);
+  CHECK(cells_of(320, 240, static_cast<std::uint32_t>(of_level) + 1) > 1.2 * of_level);  // with the next one
+  CHECK(cells_of(640, 480, 4000) > 640 * 480 / kPrintTuning.pixels_per_cell);
+  CHECK(cells_of(320, 240, 1000000) < 30000);  // a whole search
 }
 
 TEST_CASE("the plan bounds the frames of a search for a print, in a picture full of corners too") {
