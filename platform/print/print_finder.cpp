@@ -62,10 +62,6 @@ struct PosedSurface {
   const Lens* lens;
 };
 
-bool is_promising(const PrintAgreement& a) {
-  return static_cast<float>(a.agreed) >= kTuning.least_promise * static_cast<float>(a.visible);
-}
-
 bool is_whole(const PrintAgreement& a) {
   return static_cast<float>(a.agreed) >= kTuning.whole_agreement * static_cast<float>(a.visible);
 }
@@ -92,6 +88,11 @@ float print_block_px(float extent_px) {
 bool is_accepted(const PrintAgreement& a) {
   return a.agreed >= kTuning.least_agreed &&
          static_cast<float>(a.agreed) >= kTuning.least_agreement * static_cast<float>(a.visible);
+}
+
+bool is_promising(const PrintAgreement& a) {
+  return a.agreed > 0 &&
+         static_cast<float>(a.agreed) >= kTuning.least_promise * static_cast<float>(a.visible);
 }
 
 bool is_sure(const PrintAgreement& a) {

@@ -87,6 +87,8 @@ class PrintFinder {
 /// Whether blocks enough agree for a start, and for one without further frames.
 bool is_accepted(const PrintAgreement& agreement);
 bool is_sure(const PrintAgreement& agreement);
+/// Whether blocks enough agree that the view is worth a fit tilted to the other side. Where a fit failed, none do.
+bool is_promising(const PrintAgreement& agreement);
 /// Spacing of a block's samples for a surface of this extent in the frame, px.
 float print_block_px(float extent_px);
 

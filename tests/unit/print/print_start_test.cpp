@@ -12,6 +12,7 @@
 #include "model_builder.hpp"
 #include "print/descriptor.hpp"
 #include "print/match_consensus.hpp"
+#include "print/print_finder.hpp"
 #include "print/print_table.hpp"
 #include "print/print_tuning.hpp"
 #include "print_film.hpp"
@@ -339,16 +340,31 @@ TEST_CASE("of views that lead to one fit only the one with most votes is kept") 
   CHECK_FALSE(is_similar(matches[views[0].match], matches[views[1].match]));
 }
 
-TEST_CASE("the smallest and the largest frames are searched without harm") {
-  TrackerLimits small;
-  small.width = small.height = 64;
-  Film film(sheet(), small);
-  Random random(2);
-  Image image(64, 64, 1);
-  for (std::uint8_t& p : image.pixels) p = static_cast<std::uint8_t>(random.below(256));
-  for (int k = 0; k < 3; ++k) CHECK(film.show(image) == Status::ok);
-  CHECK_FALSE(film.tracker->is_started());
-  CHECK(film.show(Image(1, 1, 1)) == Status::size_mismatch);
+TEST_CASE(
+    "a view is fitted tilted to the other side where a fifth of its blocks agree, not where its fit failed") {
+  CHECK(is_promising({48, 12}));
+  CHECK(is_promising({5, 1}));
+  CHECK_FALSE(is_promising({48, 9}));
+  CHECK_FALSE(is_promising({48, 0}));
+  CHECK_FALSE(is_promising({}));
+}
+
+TEST_CASE("the smallest and the longest frames are searched without harm, longer ones are not searched") {
+  constexpr int kSizes[][2] = {{64, 64}, {8192, 64}, {64, 8192}, {8193, 64}};
+  for (const auto& [width, height] : kSizes) {
+    TrackerLimits limits;
+    limits.width = static_cast<std::uint16_t>(width);
+    limits.height = static_cast<std::uint16_t>(height);
+    limits.search_work = 100000;
+    Film film(sheet(), limits);
+    Random random(2);
+    Image image(width, height, 1);
+    for (std::uint8_t& p : image.pixels) p = static_cast<std::uint8_t>(random.below(256));
+    const bool is_searched = width <= 8192;
+    for (int k = 0; k < 3; ++k) CHECK(film.show(image) == (is_searched ? Status::ok : Status::not_started));
+    CHECK_FALSE(film.tracker->is_started());
+    if (is_searched) CHECK(film.show(Image(1, 1, 1)) == Status::size_mismatch);
+  }
 }
 
 TEST_CASE("a model with a damaged print, or with a print but no albedo, is not searched for, and tracks without harm") {
