@@ -56,6 +56,13 @@ TEST_CASE("with edges accepted the rank is that of the gradients above the templ
   CHECK(described(measurement({4000, 0, 1000}, 1), {1, 0}, true).rank == 1);  // the search was confined
 }
 
+TEST_CASE("of a search that an edge has confined, only the gradients across the edge count") {
+  // What is added along the edge, so that the search does not move there, is as large as it likes.
+  CHECK(described(measurement({20, 0, 4000}, 1), {1, 0}, true).rank == 0);
+  CHECK(described(measurement({5, 0, 4000}, 1), {1, 0}, true).rank == 0);
+  CHECK(described(measurement({4000, 0, 20}, 1), {1, 0}, true).rank == 1);
+}
+
 TEST_CASE("the distance of a result of rank one counts only along its gradient") {
   PatchResult r = described(measurement({4000, 0, 20}, 1), {}, true);
   CHECK(double(informed_distance({3, 4}, r)) == doctest::Approx(3).epsilon(1e-3));
