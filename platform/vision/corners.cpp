@@ -26,6 +26,10 @@ bool is_valid(const CornerOptions& o) {
          o.min_ratio >= 0 && o.min_ratio <= 1 && o.min_distance_px >= 0 && o.min_distance_px <= 256;
 }
 
+bool is_size(int width, int height) {
+  return width > 0 && height > 0 && width <= kMaxSide && height <= kMaxSide;
+}
+
 struct Box {
   int left, top, right, bottom;  // pixels; right and bottom excluded
 };
@@ -173,7 +177,7 @@ float corner_score(const ImageView& image, Vec2 x) {
 }
 
 std::size_t corner_scratch_bytes(int width, int height, const CornerOptions& options) {
-  if (width <= 0 || height <= 0 || !is_valid(options)) return 0;
+  if (!is_size(width, height) || !is_valid(options)) return 0;
   Arena measuring;
   Grid grid;
   corners::RowScorer scorer;
@@ -183,7 +187,7 @@ std::size_t corner_scratch_bytes(int width, int height, const CornerOptions& opt
 
 Status corners::scan_cells(const ImageView& image, const CornerOptions& options,
                            Span<const std::uint8_t> allowed, Arena& scratch, Grid* grid) {
-  if (check(image) != Status::ok || image.width > kMaxSide || image.height > kMaxSide || !is_valid(options))
+  if (check(image) != Status::ok || !is_size(image.width, image.height) || !is_valid(options))
     return Status::bad_argument;
   const std::size_t cells = static_cast<std::size_t>(corner_cells(image.width, options.cell_px)) *
                             static_cast<std::size_t>(corner_cells(image.height, options.cell_px));

@@ -278,6 +278,15 @@ TEST_CASE("points near the border or outside, and NaN, score nothing") {
   for (const Vec2 x : {Vec2{4, 4}, Vec2{35, 25}, Vec2{3.6f, 25.4f}}) CHECK(corner_score(p.view(), x) > 0);
 }
 
+TEST_CASE("what find_corners refuses takes no scratch") {
+  const CornerOptions o;
+  CHECK(corner_scratch_bytes(16384, 16384, o) > 0);
+  for (const int side : {16385, 100'000, std::numeric_limits<int>::max(), 0, -1}) {
+    CHECK(corner_scratch_bytes(side, 48, o) == 0);
+    CHECK(corner_scratch_bytes(64, side, o) == 0);
+  }
+}
+
 TEST_CASE("too little scratch is a status") {
   const Picture p = textured(64, 48);
   const CornerOptions o;
