@@ -81,6 +81,7 @@ PatchResult PatchTracker::track_between(const Pyramid& previous, Vec2 x, const P
   if (result.status != PatchStatus::ok || !(options.max_return_px > 0)) return result;
   if (!contains(current.level(0), result.x, radius)) {
     result.status = PatchStatus::outside_image;
+    result.x = start;
     return result;
   }
   const TemplateSource backward = TemplateSource::around(current, result.x);

@@ -41,6 +41,26 @@ TEST_CASE("windows that leave the image are refused with that reason") {
   CHECK(found == 0);
 }
 
+TEST_CASE("a patch found too near the border to be tracked back is refused, and the position is the start") {
+  const Texture texture(2);
+  Motion noisy;
+  noisy.noise = 1;
+  Rig rig;
+  rig.show(render(texture, noisy, kWidth, kHeight, 3), render(texture, noisy, kWidth, kHeight, 4));
+  PatchOptions options;
+  options.max_return_px = 1;
+  int refused = 0;
+  for (float y = 20; y < 160; ++y) {  // found at x = 5 but for some thousandths
+    const Vec2 start{5.5f, y};
+    const PatchResult r = rig.tracker.track_between(rig.before, {5, y}, rig.after, start, options);
+    if (r.status != PatchStatus::outside_image) continue;
+    ++refused;
+    CHECK(r.x.x == start.x);
+    CHECK(r.x.y == start.y);
+  }
+  CHECK(refused > 5);
+}
+
 TEST_CASE("images without texture are flat: black, white, grey, an edge, one pixel of noise") {
   Picture edge(kWidth, kHeight, 60);
   for (int y = 0; y < kHeight; ++y)
