@@ -46,15 +46,9 @@ Sym2 floored(const Sym2& s, float noise) {
           scale * (s.yy * m.xx - s.xy * m.xy)};
 }
 
-// n^T S n.
-float part_along(const Sym2& s, Vec2 n) {
-  return s.xx * n.x * n.x + 2 * s.xy * n.x * n.y + s.yy * n.y * n.y;
-}
-
-// The same in one direction: (s^-1 noise + floor^2)^-1.
-Sym2 floored_along(const Sym2& s, Vec2 n, float noise) {
+// The same in one direction, of a part v of the information: (v^-1 noise + floor^2)^-1.
+Sym2 floored_along(float v, Vec2 n, float noise) {
   constexpr float kFloorPx = kPatchTuning.position_floor_px;
-  const float v = part_along(s, n);
   const float w = v / (noise + kFloorPx * kFloorPx * v);
   return {w * n.x * n.x, w * n.x * n.y, w * n.y * n.y};
 }
@@ -66,8 +60,7 @@ int rank_of(const Measurement& m, Sym2& information, Vec2& along) {
   const float noise_part = kScharrNoise * 0.5f * m.noise_square * m.pixels;
   const float least = kPatchTuning.min_gradient_to_noise * noise_part;
   const Eigenvalues e = eigenvalues(m.information);
-  // A search that an edge has confined has texture added along the edge (confine): that is no information.
-  if ((is_edge(along) ? part_along(m.information, along) : e.largest) < least) return 0;
+  if (e.largest < least) return 0;
   information = {m.information.xx - noise_part, m.information.xy, m.information.yy - noise_part};
   if (is_edge(along)) return 1;
   if (e.smallest >= least && e.smallest > kPatchTuning.edge_eigenvalue_ratio * e.largest) return 2;
@@ -86,7 +79,14 @@ void describe(const Measurement& m, Vec2 along, bool accepts_edges, PatchResult&
   Sym2 s = m.information;
   r.rank = accepts_edges ? rank_of(m, s, along) : 2;
   if (r.rank == 2) r.information = floored(s, noise);
-  if (r.rank == 1) r.information = floored_along(s, along, noise);
+  if (r.rank != 1) return;
+  const float v = s.xx * along.x * along.x + 2 * s.xy * along.x * along.y + s.yy * along.y * along.y;
+  // Of a search that an edge has confined only this counts: the largest eigenvalue is of what is added along the edge (confine).
+  const float noise_part = m.information.xx - s.xx;
+  if (v < (kPatchTuning.min_gradient_to_noise - 1) * noise_part)
+    r.rank = 0;
+  else
+    r.information = floored_along(v, along, noise);
 }
 
 float informed_distance(Vec2 d, const PatchResult& r) {
