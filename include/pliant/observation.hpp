@@ -42,11 +42,11 @@ enum class Reason : std::uint8_t {
 /// which at most one is true.
 struct Observation {
   std::uint16_t id = 0;  ///< of its surface point
-  Vec2 x;                ///< px
+  Vec2 x;                ///< px; within a million px of the picture's corner, else not_visible
   Sym2 information;  ///< 1/px^2, semi-definite, at most 1e12, else not_visible; rank one: edges, normal flow
   Cue cue = Cue::patch;           ///< kind of measurement
   Reason reason = Reason::found;  ///< only `found` is used; others count as searched
-  float score = 0;                ///< normalised correlation or contrast, in [-1,1]
+  float score = 0;                ///< normalised correlation or contrast, in [-1,1]; not a number: not_visible
   Vec2 residual;                  ///< after a solve: x minus the projection of the surface point, px
 };
 

@@ -52,9 +52,10 @@ void ObservationRows::start(const RowPolicy& policy) {
 
 bool ObservationRows::is_usable(const Observation& o, const SurfacePoints& points) const {
   const Sym2 w = o.information;
-  return points.has(o.id) && static_cast<std::size_t>(o.cue) < kCueCount && is_finite(o.x) && w.xx >= 0 &&
-         w.yy >= 0 && w.xx + w.yy > 0 && w.xx <= kTuning.most_information &&
-         w.yy <= kTuning.most_information && determinant_less(w, -kTuning.line_ratio) >= 0;
+  return points.has(o.id) && static_cast<std::size_t>(o.cue) < kCueCount && is_finite(o.score) &&
+         dot(o.x, o.x) <= kTuning.most_distance_px2 && w.xx >= 0 && w.yy >= 0 && w.xx + w.yy > 0 &&
+         w.xx <= kTuning.most_information && w.yy <= kTuning.most_information &&
+         determinant_less(w, -kTuning.line_ratio) >= 0;
 }
 
 /// The observation's information with the model error added, in the scale of its cue.

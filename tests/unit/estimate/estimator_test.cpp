@@ -147,7 +147,7 @@ TEST_CASE("contradictory observations do not pass for tracking") {
   CHECK(turn_error(e.object, 0.1f) < 1e-3f);
 }
 
-TEST_CASE("hostile observations are ignored: NaN, unknown points, negative information") {
+TEST_CASE("hostile observations are ignored: NaN, far away, unknown points, negative information") {
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits);
   scene.start(e.object, 0.1f);
@@ -159,11 +159,15 @@ TEST_CASE("hostile observations are ignored: NaN, unknown points, negative infor
   seen[2].id = 6000;
   seen[3].information.xx = -1;
   seen[4].information.xy = nan;
-  e->solve(span(seen));
+  seen[5].x.y = -1e20f;  // its square is infinite
+  seen[6].score = nan;
+  const SolverReport report = e->solve(span(seen));
+  CHECK(is_finite(report.final_cost));
   const FrameResult result = e->end();
-  CHECK(result.tracked == seen.size() - 5);
+  CHECK(result.tracked == seen.size() - 7);
   CHECK(result.state == TrackState::tracking);
-  for (int i = 0; i < 5; ++i) CHECK(seen[static_cast<std::size_t>(i)].reason == Reason::not_visible);
+  CHECK(is_finite(result.score));
+  for (int i = 0; i < 7; ++i) CHECK(seen[static_cast<std::size_t>(i)].reason == Reason::not_visible);
   CHECK(is_finite(result.pose));
 }
 
