@@ -151,9 +151,12 @@ Status MotionFilter::correct(const View& view, const float* q, const float* pose
   for (int k = 0; k < kPoseUnknowns; ++k)
     step[k] = correct_state(pose_[k], innovation[k], pose_variance[k], acceleration(k));
   view_ = moved(view_, step, kPoseUnknowns);
-  for (std::size_t i = 0; i < count_; ++i)
-    q_[i] += correct_state(states_[i], q[i] - q_[i], variance[i],
-                           kMotionTuning.parameter_acceleration * range_[i]);
+  for (std::size_t i = 0; i < count_; ++i) {
+    const float off = q[i] - q_[i];
+    q_[i] += range_[i] > 0 ? correct_state(states_[i], off, variance[i],
+                                           kMotionTuning.parameter_acceleration * range_[i])
+                           : off;
+  }
   return Status::ok;
 }
 

@@ -133,6 +133,23 @@ TEST_CASE("after a jump the filter is at the new place, at rest") {
   CHECK(rig.shift_off(far) < 5);
 }
 
+TEST_CASE("a parameter without a range is as it was measured last, whatever the variance of that") {
+  AlignedBlock block(measured_bytes<MotionFilter>(std::size_t{2}));
+  Arena arena(block.data(), block.size());
+  MotionFilter filter;
+  REQUIRE(create_in(arena, filter, std::size_t{2}) == Status::ok);
+  const View view = steady(0).view;
+  const float range[2] = {1, 0}, at_start[2] = {0, 0}, measured[2] = {0.1f, 0.1f};
+  REQUIRE(filter.start(view, at_start, range, 2) == Status::ok);
+  for (const float variance : {1.0f, 1e-6f, 0.0f, 1.0f}) {
+    const float of_pose[kPoseUnknowns] = {1, 1, 1, 1, 1, 1}, of_parameters[2] = {variance, variance};
+    filter.predict(1.0f / 30);
+    REQUIRE(filter.correct(view, measured, of_pose, of_parameters) == Status::ok);
+    CHECK(filter.parameters()[1] == 0.1f);
+    filter.move_to(view, at_start);
+  }
+}
+
 TEST_CASE("time steps of zero, below zero and NaN change nothing, an infinite one counts as a second") {
   Rig rig(steady(0));
   rig.see(steady(0.1f));
