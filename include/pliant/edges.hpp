@@ -19,7 +19,7 @@ namespace pliant {
 struct EdgePoint {
   std::uint16_t id = 0;  ///< copied to the observations
   Vec2 x;                ///< predicted image position, px
-  Vec2 normal;           ///< of the edge in the image; any length but zero
+  Vec2 normal;           ///< of the edge in the image; of any length from 1e-18 to 1e18
   /// Of x, px^2. The search range is three standard deviations along the normal, at least 2 and at most 24 px.
   Sym2 covariance;
   /// The `score` of the observation that was last used for this edge. Only edges of the same sign and of a similar size
@@ -41,7 +41,7 @@ constexpr int kMaxEdgeHypotheses = 4;  ///< most alternatives of one edge
 /// steps to either side. It continues on coarser levels if the edge is too blurred. Of several edges, those that are
 /// nearer to x and stronger are preferred.
 /// \param out  At least one observation is written: with reason `found`, or with the reason why there is none:
-///         `not_visible` for a normal without length or values that are not finite; `outside_image` if the strip does
+///         `not_visible` for a normal out of these lengths or values that are not finite; `outside_image` if the strip does
 ///         not fit around x; `no_texture` if no edge stands out of the noise; `low_correlation` if those that do are
 ///         not like the remembered one; `ambiguous` if more edges than `hypotheses` are equally good. Further
 ///         observations have the same id and are alternatives, best first. `information` is of rank one, along the

@@ -325,10 +325,15 @@ TEST_CASE("bad arguments are refused or harmless") {
   const auto reason = [&](const EdgePoint& q, const EdgeOptions& o = {}) {
     return find_at(shown.pyramid, q, o)[0].reason;
   };
-  for (const Vec2 v : {Vec2{nan, 1}, Vec2{1, inf}, Vec2{0, 0}}) {
+  for (const Vec2 v : {Vec2{nan, 1}, Vec2{1, inf}, Vec2{0, 0}, Vec2{1e-25f, 0}, Vec2{1e25f, 0}}) {
     EdgePoint q = p;
     q.normal = v;
     CHECK(reason(q) == Reason::not_visible);
+  }
+  for (const Vec2 v : {Vec2{1e-18f, 0}, Vec2{1e18f, 0}}) {
+    EdgePoint q = p;
+    q.normal = v;
+    CHECK(reason(q) == Reason::found);
   }
   for (const Vec2 v : {Vec2{nan, 1}, Vec2{1, inf}}) CHECK(reason(point_at(v, {1, 0})) == Reason::not_visible);
   CHECK(reason(point_at(kMiddle, {1, 0}, nan)) == Reason::not_visible);
