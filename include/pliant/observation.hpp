@@ -46,8 +46,8 @@ struct Observation {
   Sym2 information;  ///< 1/px^2, semi-definite, at most 1e12, else not_visible; rank one: edges, normal flow
   Cue cue = Cue::patch;           ///< kind of measurement
   Reason reason = Reason::found;  ///< only `found` is used; others count as searched
-  float score = 0;                ///< normalised correlation or contrast, in [-1,1]; not a number: not_visible
-  Vec2 residual;                  ///< after a solve: x minus the projection of the surface point, px
+  float score = 0;  ///< normalised correlation or contrast, in [-1,1]; not a number: not_visible
+  Vec2 residual;    ///< after a solve: x minus the projection of the surface point, px
 };
 
 }  // namespace pliant
