@@ -154,6 +154,7 @@ void read_parts(TrackerParts& t, const FrameView& view) {
   FaceDetectionState& self = face_detection_of(t);
   if (self.parts == nullptr) return;
   PartPoints& points = *self.parts;
+  if (t.progress.bad_frames > 0) points.gaze = {};  // what a bad frame showed there may be no eyes
   if (PartFit* const fit = read_at_view(t, view, kPartFitTuning.centring); fit != nullptr) {
     fit->fit(1e-9f * static_cast<float>(time_to_change(self.last_read_ns, view.time_ns)), &points);
     self.last_read_ns = view.time_ns;

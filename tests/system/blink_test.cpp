@@ -141,6 +141,27 @@ TEST_CASE(
   CHECK(seen >= 32);
 }
 
+TEST_CASE("a bad frame has no part in the gaze of the frame after it") {
+  constexpr std::size_t kBad = 5;
+  FaceFilm eyes = film(0), cut = eyes;
+  for (std::size_t k = 0; k < cut.frames[kBad].size(); ++k)
+    cut.frames[kBad][k] = (k % 320 / 9 + k / 320 / 11) % 2 == 0 ? 128 : 228;
+  Vec3 gaze[2];
+  for (const FaceFilm* film : {&eyes, &cut}) {
+    host::Owned<Tracker> tracker(face().model(), TrackerLimits{});
+    REQUIRE(tracker->start_from_pose(film->view(0), film->camera, film->poses[0],
+                                     film->parameters[0].data()) == Status::ok);
+    FrameResult result;
+    for (std::size_t k = 1; k <= kBad + 1; ++k) {
+      REQUIRE(tracker->update(film->view(k), &result) == Status::ok);
+      CHECK((result.state == TrackState::tracking) == (film == &eyes || k != kBad));
+    }
+    REQUIRE(length(result.gaze) > 0);
+    gaze[film == &cut] = result.gaze;
+  }
+  CHECK(length(gaze[1] - gaze[0]) < 0.02f);
+}
+
 TEST_CASE("no gaze is told where a start shows no face") {
   std::vector<std::uint8_t> picture(320 * 240);
   Random random(3);
