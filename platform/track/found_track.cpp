@@ -93,7 +93,9 @@ void FaceDetectionState::renew(TrackerParts& t, const FrameView& view, float err
   note_person(found.camera);
   marker_count = t.markers.save(t.estimator, markers);
   landmark_error = error;
+  const std::uint32_t person_number = t.numbers.person;
   spread(t, [&] { return start(t, view, found, with_present_mesh(kept.options)); });
+  t.numbers.person = person_number;  // also if checks have not made the person known yet
 }
 
 void FaceDetectionState::resume_at(TrackerParts& t, const FrameView& view, const AlignedFace& face,

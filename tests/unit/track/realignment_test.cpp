@@ -213,6 +213,17 @@ TEST_CASE("aligned frames of a track in doubt are degraded, as its good ones are
   }
 }
 
+TEST_CASE("a track that begins anew as the same person, before that one is known, counts as theirs") {
+  FaceFilm film = changed_film();
+  for (std::size_t k = 2; k < kChange; ++k)
+    for (std::uint8_t& grey : film.frames[k]) grey = static_cast<std::uint8_t>(255 - grey);
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  for (std::size_t k = 0; k < kFrames; ++k) update(tracker.object, film, k);
+  CHECK(tracker->track_number() == 2);
+  CHECK(tracker->person_number() == 1);
+}
+
 TEST_CASE("a track that begins anew as the same person keeps the camera") {
   const FaceFilm& film = changed_film();
   FakeFaces fake(film);
