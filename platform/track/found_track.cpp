@@ -2,7 +2,6 @@
 // as many (docs/algorithms.md, section 9.2).
 #include "track/found_track.hpp"
 
-#include "base/arrays.hpp"
 #include "track/second_look.hpp"
 #include "track/tracker_sizes.hpp"
 
@@ -100,7 +99,9 @@ void FaceDetectionState::renew(TrackerParts& t, const FrameView& view, float err
 
 void FaceDetectionState::resume_at(TrackerParts& t, const FrameView& view, const AlignedFace& face,
                                    const float* q) {
-  copy(q, t.start_q.count, t.start_q.data);
+  const std::uint8_t* const is_free = kept.options.is_free;
+  for (std::size_t k = 0; k < t.start_q.count; ++k)
+    if (is_free == nullptr || is_free[k] != 0) t.start_q[k] = q[k];
   marker_count = 0;
   landmark_error = face.landmark_error;
   const TrackNumbers numbers = t.numbers;

@@ -79,6 +79,24 @@ TEST_CASE(
   CHECK(length(error_after_resuming(limits_with_fake(), before, kLater, "ibug36")) > 5);
 }
 
+TEST_CASE("a resumed track that moves to the face keeps the saved values of parameters that are not free") {
+  FaceFilm speaking = film();
+  FakeFaces fake(speaking);
+  const Saved before = saved(0);
+  const std::size_t jaw = baked_face().model.find_parameter("jawOpen");
+  std::vector<std::uint8_t> is_free(before.q.size(), 1);
+  TrackerOptions options;
+  options.is_free = is_free.data();
+  for (std::vector<float>& q : speaking.parameters) q[jaw] = 0.3f;
+  for (const bool is_held : {false, true}) {
+    is_free[jaw] = !is_held;
+    InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+    REQUIRE(tracker->start_from_state(speaking.view(kSaved + 10), before.state, options) == Status::ok);
+    CHECK(length(tracker->result().pose.t - before.state.pose.t) > 5);  // it has moved
+    CHECK(tracker->parameters()[jaw] == (is_held ? before.q[jaw] : 0.3f));
+  }
+}
+
 TEST_CASE("a track that is resumed where no alignment is sure begins where it was saved") {
   FakeFaces fake(film());
   const Saved before = saved(0);
