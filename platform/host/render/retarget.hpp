@@ -37,9 +37,10 @@ struct RetargetSetup {
 };
 
 /// Reads any table with the columns of a track. A column drives the parameter of its name. One name for a pair (`browInnerUp`)
-/// drives both sides. The two sides of a pair drive a single parameter of the target model by their mean. With a source
-/// model, a value keeps its fraction of the range. Frames in state lost and empty cells repeat the value before, those at the
-/// start the first known value. Bad input: no row with values, times that do not ascend, and as read_posed_parameters.
+/// drives both sides. The two sides of a pair drive a single parameter of the target model by their mean. With a source model, a
+/// value keeps its fraction of the range. Frames in state lost and empty cells repeat the value before. Lost frames at the start
+/// repeat the first tracked one; cells that are empty there are neutral. Bad input: no row with values, times that do not ascend,
+/// and as read_posed_parameters.
 Retargeted retarget(const CsvTable& table, const Model& model, const RetargetSetup& setup);
 
 }  // namespace pliant::host

@@ -234,6 +234,10 @@ TEST_CASE(
   const Ran r = run_words({"animate", model, "--params", params, "-o", f / "a.glb"});
   CHECK(contains(r.err, "2 of 4 frames are lost"));
   CHECK(run_words({"animate", model, "--params", params, "-o", f / "A.GLB"}).code == 0);
+  const std::string gaps = f.put("g.csv", "time_s,jawOpen,browUpLeft\n0,0.5,\n1,,1\n");
+  const Animation b = animate({"animate", model, "--params", gaps}, f / "g.glb");
+  for (std::size_t k : {std::size_t{0}, std::size_t{1}}) CHECK(b.weight(k, "jawOpen") == doctest::Approx(0.5));
+  CHECK(b.weight(0, "browUpLeft") == 0);
   check_refused(
       {"animate", model, "--params", f.put("l.csv", head + "0,0,lost,,,,,,,,\n"), "-o", f / "l.glb"},
       {"l.csv", "no row with a pose or expression"});
