@@ -17,6 +17,12 @@ float gap_of(const PartPoints& points, const PartSide& side, const Vec2* mm) {
   return gap;
 }
 
+/// Whether x lies in the frame, that far from its edge. \param x  px, its y divided by the aspect.
+bool is_within(const FrameView& frame, float aspect, Vec2 x, float from_edge) {
+  return x.x >= from_edge && x.y >= from_edge && x.x + from_edge < static_cast<float>(frame.width) &&
+         aspect * (x.y + from_edge) < static_cast<float>(frame.height);
+}
+
 }  // namespace
 
 void PartFit::lay_out(Arena& arena, const Model& model) {
@@ -53,12 +59,17 @@ void PartFit::read(const FrameView& frame, const Lens& lens, const View& view, c
   reader_.set_aspect(lens.aspect());
   axes_ = upright(view_);
   copy(q, cascade_.parameter_count(), q_);
+  points->are_seen = true;
   for (std::size_t s = 0; s < points->side_count; ++s) {
     PartSide& side = points->side[s];
     const PartRecord& part = points->table[side.part];
     const Vec2 middle = 0.5f * (project(side.anchor[0]) + project(side.anchor[1]));
     const CropMap map = crop_of_part(part, view_, lens_.distort(middle) + axes_.along(side.centre_mm));
-    if (!is_finite(map.origin + map.right)) continue;
+    side.is_seen = is_within(frame, lens.aspect(), map.origin, kTuning.least_room_mm * view_.s);
+    if (!side.is_seen) {
+      points->are_seen = false;
+      continue;
+    }
     reader_.read(frame, points->table, side.part, map, side.is_left, readings_ + side.first);
     const Vec2 centre = side.centre_mm + centring * off_centre(points->table, side);
     side.centre_mm = min(1, kTuning.most_off_centre_mm / max(length(centre), 1e-3f)) * centre;
@@ -100,6 +111,7 @@ bool PartFit::read_eye(const PartPoints& points, const PartSide& side, SeenEye* 
 }
 
 Vec3 PartFit::gaze(const PartPoints& points) {
+  if (!points.are_seen) return {};
   SeenEye eyes[2 * kMostParts];
   std::size_t count = 0;
   for (std::size_t s = 0; s < points.side_count; ++s)
@@ -159,6 +171,7 @@ bool PartFit::is_near(float mm, const float* values, const PartPoints& points) {
 
 /// How the readings differ from the model with these values, which are the person's from now on.
 void PartFit::note_offsets(const float* values, PartPoints* points) {
+  if (!points->are_seen) return;
   set(values, *points);
   for (std::size_t k = 0; k < points->count; ++k)
     if (points->is_fitted(k)) points->offset_mm[k] = read_mm_[k] - axes_.to_crop(project(points->uv[k]));
@@ -188,6 +201,7 @@ float PartFit::shut_offset(const PartPoints& points, const PartSide& side) const
 
 /// The rows of a side's readings.
 void PartFit::add_readings(const PartPoints& points, const PartSide& side) {
+  if (!side.is_seen) return;
   const Projector projector(view_, true);
   const float shut = shut_offset(points, side);
   for (std::size_t k = side.first; k < side.first + side.count; ++k) {

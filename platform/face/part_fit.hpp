@@ -34,6 +34,9 @@ struct PartFitTuning {
   /// Films of 29 portraits left out of training, lids shut for 35 frames: eyeBlink 0.90 (median) with 0.2, 0.85 with 1
   /// (docs/experiments.md, Shut eyes). 5 mm is not tuned.
   float shutting_mm = 5, shutting_prior = 0.2f;
+  /// Distance of a crop's middle from the frame's edge, at least, mm: half of an eye. A part that is cut off is read as something
+  /// else. Not tuned.
+  float least_room_mm = 16;
   /// The time that parameters have to change in before the start, s: long, so that the start does not hold
   /// them. Not tuned.
   float start_s = 1;

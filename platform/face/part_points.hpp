@@ -15,6 +15,7 @@ constexpr std::size_t kMostPartParameters = 32;  // that they move
 struct PartSide {
   std::uint8_t part = 0, count = 0;  // of the table; points
   bool is_left = false;
+  bool is_seen = false;     // in the last frame, by an uncut crop
   std::uint16_t first = 0;  // of its points
   Vec2 anchor[2];           // (u,v)
   Vec2 centre_mm;           // of the crop, from where the model puts it; upright crop
@@ -39,6 +40,7 @@ struct PartPoints {
   float opens_mm[kMostPartParameters] = {};
   std::size_t parameter_count = 0;
   Vec3 gaze;                   // smoothed, in the model's axes; 0: not seen
+  bool are_seen = false;       // all sides
   bool is_calibrated = false;  // false: the offsets are unknown and 0
 
   /// \return the table's status; not_found if the model lacks points.

@@ -162,6 +162,25 @@ TEST_CASE("a bad frame has no part in the gaze of the frame after it") {
   CHECK(length(gaze[1] - gaze[0]) < 0.02f);
 }
 
+TEST_CASE("eyes that leave the frame do not blink, and no gaze is told of them") {
+  for (const Vec2 way : {Vec2{165, 0}, {-165, 0}, {0, -140}}) {  // mm
+    CAPTURE(way.y);
+    const FaceFilm eyes(320, 240, 40, [way](float s, Pose& pose, auto&) {
+      pose.t = pose.t + Vec3{way.x * s, way.y * s, 0};
+    });
+    for (const Vec2 lid : track(eyes)) CHECK(max(lid.x, lid.y) < 0.2f);
+    host::Owned<Tracker> tracker(face().model(), TrackerLimits{});
+    REQUIRE(tracker->start_from_pose(eyes.view(0), eyes.camera, eyes.poses[0], eyes.parameters[0].data()) ==
+            Status::ok);
+    FrameResult result;
+    for (std::size_t k = 1; k < eyes.count(); ++k) {
+      REQUIRE(tracker->update(eyes.view(k), &result) == Status::ok);
+      if (k < eyes.count() / 2) CHECK(length(result.gaze) > 0);
+    }
+    CHECK(length(result.gaze) == 0);
+  }
+}
+
 TEST_CASE("no gaze is told where a start shows no face") {
   std::vector<std::uint8_t> picture(320 * 240);
   Random random(3);
