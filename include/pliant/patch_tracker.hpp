@@ -57,6 +57,10 @@ constexpr int patch_slot_bytes(const PatchLimits& l) {
   return l.levels * (side * side + 16) + 4;
 }
 
+struct NormalFlow;
+/// Normal flow: the motion of an edge across itself. A program that does not name it does not link it.
+extern const NormalFlow kNormalFlow;
+
 /// How to search, and which results to accept.
 struct PatchOptions {
   int first_level = -1;  ///< level that the search starts on, 0 is full size; -1: chosen by start_sd_px
@@ -70,8 +74,8 @@ struct PatchOptions {
   /// Standard deviation of a ramp of light over the window, grey levels a px: the light changed more on one side than on
   /// the other, as where a curved surface turns. The last steps, at full size, allow for it. 0: it changed alike.
   float ramp_sd = 0;
-  /// True: a patch with texture in one direction only is tracked along it (normal flow, rank one). False: it is `flat`.
-  bool accepts_edges = false;
+  /// &kNormalFlow: a patch with texture in one direction only is tracked along it, with information of rank one. Null: it is `flat`.
+  const NormalFlow* normal_flow = nullptr;
   float max_return_px = 0;  ///< largest forward-backward distance of `track_between`; 0: not checked
 };
 

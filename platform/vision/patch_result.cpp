@@ -1,7 +1,7 @@
 #include "vision/patch_result.hpp"
 
+#include "vision/normal_flow.hpp"
 #include "vision/patch_tuning.hpp"
-#include "vision/structure_tensor.hpp"
 
 namespace pliant {
 
@@ -33,9 +33,6 @@ namespace patch {
 
 namespace {
 
-// The fraction of white noise's variance in Scharr gradients: 2 (3^2 + 10^2 + 3^2) / 32^2.
-constexpr float kScharrNoise = 0.23f;
-
 // (S^-1 noise + floor^2 I)^-1, where S is the information for noise of one: S (noise I + floor^2 S)^-1 needs no
 // inverse of S.
 Sym2 floored(const Sym2& s, float noise) {
@@ -46,47 +43,17 @@ Sym2 floored(const Sym2& s, float noise) {
           scale * (s.yy * m.xx - s.xy * m.xy)};
 }
 
-// The same in one direction, of a part v of the information: (v^-1 noise + floor^2)^-1.
-Sym2 floored_along(float v, Vec2 n, float noise) {
-  constexpr float kFloorPx = kPatchTuning.position_floor_px;
-  const float w = v / (noise + kFloorPx * kFloorPx * v);
-  return {w * n.x * n.x, w * n.x * n.y, w * n.y * n.y};
-}
-
-// The rank of the information, where edges are accepted. Part of the gradients is noise of the template, which
-// carries no information about the position: it is taken off `information`. Sets `along` for an edge.
-int rank_of(const Measurement& m, Sym2& information, Vec2& along) {
-  // Half of the noise is the template's.
-  const float noise_part = kScharrNoise * 0.5f * m.noise_square * m.pixels;
-  const float least = kPatchTuning.min_gradient_to_noise * noise_part;
-  const Eigenvalues e = eigenvalues(m.information);
-  if (e.largest < least) return 0;
-  information = {m.information.xx - noise_part, m.information.xy, m.information.yy - noise_part};
-  if (is_edge(along)) return 1;
-  if (e.smallest >= least && e.smallest > kPatchTuning.edge_eigenvalue_ratio * e.largest) return 2;
-  along = strongest_direction(m.information, e.smallest);
-  return 1;
-}
-
 }  // namespace
 
-void describe(const Measurement& m, Vec2 along, bool accepts_edges, PatchResult& r) {
+void describe(const Measurement& m, Vec2 along, const NormalFlow* flow, PatchResult& r) {
   r.gain = m.gain;
   r.bias = m.bias;
   r.correlation = m.correlation;
   r.residual = square_root(m.residual_square);
   const float noise = max(m.noise_square, kPatchTuning.noise_floor_grey * kPatchTuning.noise_floor_grey);
   Sym2 s = m.information;
-  r.rank = accepts_edges ? rank_of(m, s, along) : 2;
-  if (r.rank == 2) r.information = floored(s, noise);
-  if (r.rank != 1) return;
-  const float v = s.xx * along.x * along.x + 2 * s.xy * along.x * along.y + s.yy * along.y * along.y;
-  // Of a search that an edge has confined only this counts: the largest eigenvalue is of what is added along the edge (confine).
-  const float noise_part = m.information.xx - s.xx;
-  if (v < (kPatchTuning.min_gradient_to_noise - 1) * noise_part)
-    r.rank = 0;
-  else
-    r.information = floored_along(v, along, noise);
+  r.rank = flow != nullptr ? flow->measure(m, along, noise, &s) : 2;
+  if (r.rank > 0) r.information = r.rank == 2 ? floored(s, noise) : s;
 }
 
 float informed_distance(Vec2 d, const PatchResult& r) {

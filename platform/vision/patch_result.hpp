@@ -5,8 +5,8 @@
 namespace pliant::patch {
 
 /// Sets light, correlation, residual, rank and information of a result. \param along  the direction to which an edge
-/// confined the search, or zero.
-void describe(const Measurement& m, Vec2 along, bool accepts_edges, PatchResult& r);
+/// confined the search, or zero. \param flow  as PatchOptions::normal_flow.
+void describe(const Measurement& m, Vec2 along, const NormalFlow* flow, PatchResult& r);
 
 /// Length of d, px; of a result of rank one, only its part in the direction that has information.
 float informed_distance(Vec2 d, const PatchResult& r);

@@ -115,13 +115,14 @@ PatchResult search(SearchState& state, const TemplateSource& source, const Pyram
   if (!is_finite(start) || top < 0) return result;
   result.status = PatchStatus::outside_image;
   if (!contains(current.level(0), start, 0)) return result;
-  SearchOptions options{o.accepts_edges, false, o.start_sd_px > kPatchTuning.one_step_start_px};
+  const bool accepts_edges = o.normal_flow != nullptr;
+  SearchOptions options{accepts_edges, false, o.start_sd_px > kPatchTuning.one_step_start_px};
   bool is_near = o.start_sd_px > 0 && o.start_sd_px <= kPatchTuning.near_start_px;
   Vec2 x = start, along;
   Measurement measured;
   state.work.ramp_sd = o.ramp_sd;
   for (int l = top; l >= 0; --l) {
-    const Vec2 offset = load_level(state, source, l, o.accepts_edges);
+    const Vec2 offset = load_level(state, source, l, accepts_edges);
     SearchPosition p{level_scale(l) * x - offset, 0, {}};
     options.needs_whole_window = l == 0;
     result.status = l == 0 ? search_finest(current.level(0), options, is_near, state.work, p, measured)
@@ -138,7 +139,7 @@ PatchResult search(SearchState& state, const TemplateSource& source, const Pyram
   }
   if (result.status != PatchStatus::ok) return result;
   result.x = x;
-  describe(measured, along, o.accepts_edges, result);
+  describe(measured, along, o.normal_flow, result);
   result.status = judge(result, start, o);
   if (result.status != PatchStatus::ok) result.x = start;
   return result;

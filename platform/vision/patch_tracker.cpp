@@ -49,8 +49,9 @@ PatchStatus PatchTracker::capture(int slot, const Pyramid& pyramid, Vec2 x, cons
   if (state_ == nullptr || !state_->slots.is_slot(slot) || pyramid.levels() == 0 || !is_finite(x))
     return PatchStatus::bad_argument;
   if (!contains(pyramid.level(0), x, limits_.window / 2)) return PatchStatus::outside_image;
-  load_level(*state_, TemplateSource::around(pyramid, x), 0, options.accepts_edges);
-  if (!patch::has_texture(state_->work, options.accepts_edges)) return PatchStatus::flat;
+  const bool accepts_edges = options.normal_flow != nullptr;
+  load_level(*state_, TemplateSource::around(pyramid, x), 0, accepts_edges);
+  if (!patch::has_texture(state_->work, accepts_edges)) return PatchStatus::flat;
   state_->slots.store(slot, pyramid, x);
   return PatchStatus::ok;
 }

@@ -41,7 +41,7 @@ const Vec2 kMiddle{119.5f, 89.5f};
 
 PatchOptions flow() {
   PatchOptions o;
-  o.accepts_edges = true;
+  o.normal_flow = &kNormalFlow;
   return o;
 }
 

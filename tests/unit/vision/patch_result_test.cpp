@@ -26,7 +26,7 @@ Measurement measurement(Sym2 information, float noise_square) {
 
 PatchResult described(const Measurement& m, Vec2 along, bool accepts_edges) {
   PatchResult r;
-  describe(m, along, accepts_edges, r);
+  describe(m, along, accepts_edges ? &kNormalFlow : nullptr, r);
   return r;
 }
 

@@ -237,7 +237,7 @@ TEST_CASE("for random images, positions and options there is a status and no NaN
     REQUIRE(pyramid.build(a.frame()) == Status::ok);
     PatchOptions o;
     o.min_correlation = -2;
-    o.accepts_edges = pick(0, 1) == 0;
+    o.normal_flow = pick(0, 1) == 0 ? &kNormalFlow : nullptr;
     o.start_sd_px = static_cast<float>(random.uniform(-0.5, 1.5));
     for (int k = 0; k < 20; ++k) {
       const auto place = [&] {
