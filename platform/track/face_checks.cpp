@@ -67,7 +67,7 @@ bool FaceChecks::conclude(const FrameView& frame, Estimator& estimator, bool che
   frames_since_ = checks ? 0 : frames_since_ + 1;
   if (checks && !check(frame, estimator, scratch)) return false;
   const bool is_refuted = bad_ > 0 && !has_confirmed();
-  tell_worth(estimator.view(), landmark_error_, is_refuted || is_doubtful(), result);
+  tell_worth(estimator.view(), landmark_error_, is_refuted || (is_doubtful_ && good_ > 0), result);
   return true;
 }
 

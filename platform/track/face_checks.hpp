@@ -76,8 +76,6 @@ class FaceChecks {
   bool is_urgent() const { return bad_ > 0 || (is_aligned_ && !has_confirmed() && is_due()); }
   /// Whether the last check was bad: no face is seen where the track is.
   bool is_refuted() const { return bad_ > 0; }
-  /// Whether every check since the start has seen a part of the face that may be covered.
-  bool is_doubtful() const { return is_doubtful_ && good_ > 0; }
   /// Whether enough checks were good for the person to be known.
   bool has_confirmed() const { return good_ >= kFaceChecksTuning.checks_of_known_person; }
 

@@ -134,9 +134,7 @@ bool realign(TrackerParts& t, const FrameView& frame) {
   t.key_frames.trust(t.estimator);
   t.progress.bad_frames = 1;  // in a row: the templates may fail as long as they like
   detection.checks.see();
-  const bool is_doubtful =
-      detection.checks.is_doubtful() || detection.poor_start.is_doubtful(face.landmark_error);
-  tell_worth(t.estimator.view(), face.landmark_error, is_doubtful, &t.result);
+  tell_worth(t.estimator.view(), face.landmark_error, false, &t.result);
   if (++look.realigned < kTuning.most_frames) return true;
   AlignedFace other;
   const bool is_same = !is_another(alignments, &other);

@@ -200,19 +200,6 @@ TEST_CASE("aligned frames do not count as bad ones: a bad frame after many of th
   CHECK(tracker->is_started());
 }
 
-TEST_CASE("aligned frames of a track in doubt are degraded, as its good ones are") {
-  const FaceFilm& film = changed_film();
-  FakeFaces fake(film);
-  fake.least_part = kFaceChecksTuning.least_part - 1;  // covered, from the start on
-  fake.error = fake.held_error = 1.1f * kFaceChecksTuning.doubtful_error;
-  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
-  for (std::size_t k = 0; k < kChange + 5; ++k) {
-    const FrameResult frame = update(tracker.object, film, k);
-    if (k >= kChange) CHECK(frame.landmark_error == fake.held_error);  // it is aligned
-    if (k > kChange / 2) CHECK(frame.state == TrackState::degraded);
-  }
-}
-
 TEST_CASE("a track that begins anew as the same person, before that one is known, counts as theirs") {
   FaceFilm film = changed_film();
   for (std::size_t k = 2; k < kChange; ++k)
