@@ -74,7 +74,7 @@ struct PatchOptions {
   /// Standard deviation of a ramp of light over the window, grey levels a px: the light changed more on one side than on
   /// the other, as where a curved surface turns. The last steps, at full size, allow for it. 0: it changed alike.
   float ramp_sd = 0;
-  /// &kNormalFlow: a patch with texture in one direction only is tracked along it, with information of rank one. Null: it is `flat`.
+  /// &kNormalFlow: a patch with texture in one direction only is tracked along it (rank one). Null: it is `flat`.
   const NormalFlow* normal_flow = nullptr;
   float max_return_px = 0;  ///< largest forward-backward distance of `track_between`; 0: not checked
 };

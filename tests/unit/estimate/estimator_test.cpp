@@ -161,8 +161,7 @@ TEST_CASE("hostile observations are ignored: NaN, far away, unknown points, nega
   seen[4].information.xy = nan;
   seen[5].x.y = -1e20f;  // its square is infinite
   seen[6].score = nan;
-  const SolverReport report = e->solve(span(seen));
-  CHECK(is_finite(report.final_cost));
+  CHECK(is_finite(e->solve(span(seen)).final_cost));
   const FrameResult result = e->end();
   CHECK(result.tracked == seen.size() - 7);
   CHECK(result.state == TrackState::tracking);
