@@ -147,29 +147,6 @@ TEST_CASE("contradictory observations do not pass for tracking") {
   CHECK(turn_error(e.object, 0.1f) < 1e-3f);
 }
 
-TEST_CASE("hostile observations are ignored: NaN, far away, unknown points, negative information") {
-  Scene scene;
-  InArena<Estimator> e(scene.model, scene.limits);
-  scene.start(e.object, 0.1f);
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  e->begin(1);
-  auto seen = scene.observe(0.1f, scene.q, 0);
-  seen[0].x.x = nan;
-  seen[1].id = 59;
-  seen[2].id = 6000;
-  seen[3].information.xx = -1;
-  seen[4].information.xy = nan;
-  seen[5].x.y = -1e20f;  // its square is infinite
-  seen[6].score = nan;
-  CHECK(is_finite(e->solve(span(seen)).final_cost));
-  const FrameResult result = e->end();
-  CHECK(result.tracked == seen.size() - 7);
-  CHECK(result.state == TrackState::tracking);
-  CHECK(is_finite(result.score));
-  for (int i = 0; i < 7; ++i) CHECK(seen[static_cast<std::size_t>(i)].reason == Reason::not_visible);
-  CHECK(is_finite(result.pose));
-}
-
 TEST_CASE("calls before a start, bad starts and full capacities return their status") {
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits);

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "estimator_scene.hpp"
 #include "posed_egg.hpp"
 #include "random.hpp"
 
@@ -170,6 +171,29 @@ TEST_CASE("keep_within keeps exactly the rows that fit, whether they were kept o
   CHECK(rig.rows.object[0].is_kept);
   CHECK_FALSE(rig.rows.object[1].is_kept);
   CHECK(rig.rows.object[2].is_kept);
+}
+
+TEST_CASE("hostile observations are ignored: NaN, far away, unknown points, negative information") {
+  estimator_scene::Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0.1f);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  e->begin(1);
+  auto seen = scene.observe(0.1f, scene.q, 0);
+  seen[0].x.x = nan;
+  seen[1].id = 59;
+  seen[2].id = 6000;
+  seen[3].information.xx = -1;
+  seen[4].information.xy = nan;
+  seen[5].x.y = -1e20f;  // its square is infinite
+  seen[6].score = nan;
+  CHECK(is_finite(e->solve(estimator_scene::span(seen)).final_cost));
+  const FrameResult result = e->end();
+  CHECK(result.tracked == seen.size() - 7);
+  CHECK(result.state == TrackState::tracking);
+  CHECK(is_finite(result.score));
+  for (int i = 0; i < 7; ++i) CHECK(seen[static_cast<std::size_t>(i)].reason == Reason::not_visible);
+  CHECK(is_finite(result.pose));
 }
 
 }  // namespace observation_rows_test
