@@ -307,3 +307,26 @@ TEST_CASE("a search and what learnt tables tell of a face are the same in C: eve
   CHECK(has_gaze);
   CHECK(run.tracker->track_number() >= 2);
 }
+
+TEST_CASE("TrackerLimits states what second looks and the search at any roll take of each profile") {
+  const Model& model = face().model();
+  const auto of_looks = [&](TrackerLimits limits) {
+    limits.second_look = &kSecondLook;
+    const std::size_t all = measured_bytes<Tracker>(model, limits);
+    limits.second_look = nullptr;
+    return static_cast<double>(all - measured_bytes<Tracker>(model, limits));
+  };
+  CHECK(of_looks(profile_s()) == doctest::Approx(88e3).epsilon(0.08));
+  CHECK(of_looks(profile_m()) == doctest::Approx(72e3).epsilon(0.08));
+  CHECK(of_looks(profile_l()) == doctest::Approx(45e3).epsilon(0.08));
+  const auto of_rolls = [&](TrackerLimits limits) {
+    limits.detection = &kFaceDetection;
+    const std::size_t all = measured_bytes<Tracker>(model, limits);
+    limits.detection = &kUprightFaceDetection;
+    return all - measured_bytes<Tracker>(model, limits);
+  };
+  CHECK(of_rolls(profile_s()) > 6000);
+  CHECK(of_rolls(profile_s()) < 8500);
+  CHECK(of_rolls(profile_m()) == 0);  // a track's memory holds the turned frame
+  CHECK(of_rolls(profile_l()) == 0);
+}

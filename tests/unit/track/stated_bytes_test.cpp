@@ -91,26 +91,4 @@ TEST_CASE("FaceDetector, FaceAligner, PatchLimits and McdLimits state their byte
   check_about(measured_bytes<Mcd>(McdLimits{4096, 24}), 1e6);
 }
 
-TEST_CASE("TrackerLimits states what second looks cost with each profile") {
-  const auto of_looks = [](TrackerLimits limits) {
-    limits.second_look = nullptr;
-    return increase<Tracker>(limits, [](auto& l) { l.second_look = &kSecondLook; });
-  };
-  check_about(of_looks(profile_s()), 88e3);
-  check_about(of_looks(TrackerLimits{}), 72e3);
-  check_about(of_looks(profile_l()), 45e3);
-}
-
-TEST_CASE("the search at any roll takes of profile S 8 kB more, of the others nothing: a track's memory holds the turned frame") {
-  const auto of_rolls = [](TrackerLimits limits) {
-    limits.detection = &kUprightFaceDetection;
-    return increase<Tracker>(limits, [](auto& l) { l.detection = &kFaceDetection; });
-  };
-  const std::size_t of_small = of_rolls(profile_s());
-  CHECK(of_small > 6000);
-  CHECK(of_small < 8500);
-  CHECK(of_rolls(profile_m()) == 0);
-  CHECK(of_rolls(profile_l()) == 0);
-}
-
 }  // namespace stated_bytes_test
