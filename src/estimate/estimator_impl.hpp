@@ -58,8 +58,8 @@ struct Estimator::Impl : StateParts {
   }
   void forget_person();
   Status revise(const float* q, Quat turn);
-  /// \param interval  of update_surface.
-  Status restore(const State& saved, std::uint32_t interval);
+  /// Moves the state, but not the surface, to a saved one, which is expected then. \return as Estimator::restore.
+  Status expect(const State& saved);
   /// Places the silhouette points at the present state. Null before there is one: a program that adds none does not link it.
   void (*place_silhouette)(Impl&) = nullptr;
   Prediction predict(std::uint16_t id, const Projector& projector);

@@ -16,11 +16,7 @@ void Estimator::save(State* state) const {
   }
 }
 
-Status Estimator::restore(const State& state) {
-  return is_started() ? impl_->restore(state, 1) : Status::not_started;
-}
-
-Status Estimator::Impl::restore(const State& saved, std::uint32_t interval) {
+Status Estimator::Impl::expect(const State& saved) {
   if (saved.q == nullptr || !is_possible(saved.pose, camera) || !are_finite(saved.q, parameter_count()))
     return Status::bad_argument;
   set_view(saved.pose);
@@ -32,17 +28,28 @@ Status Estimator::Impl::restore(const State& saved, std::uint32_t interval) {
     state.q[i] = clamp(saved.q[i], p.minimum, p.maximum);
     motion.expect(i, state.q[i]);
   }
-  update_surface(interval);
-  if (place_silhouette != nullptr) place_silhouette(*this);
   return Status::ok;
+}
+
+Status Estimator::restore(const State& saved) {
+  if (!is_started()) return Status::not_started;
+  Impl& s = *impl_;
+  const Status status = s.expect(saved);
+  if (status != Status::ok) return status;
+  s.update_surface(1);
+  if (s.place_silhouette != nullptr) s.place_silhouette(s);
+  return status;
 }
 
 Status Estimator::accept(const State& measured, FrameResult* result) {
   if (!is_started()) return Status::not_started;
   Impl& s = *impl_;
-  const Status status = s.restore(measured, s.vertex_interval);
+  const Status status = s.expect(measured);
   if (status != Status::ok) return status;
   copy(s.state, s.parameter_count(), &s.trusted);
+  s.surface_is_trusted = false;
+  s.restore_surface();
+  if (s.place_silhouette != nullptr) s.place_silhouette(s);
   s.motion.move(s.state);
   result->state = s.monitor.add(true);
   result->pose = pose_of(s.state.view);
