@@ -1,6 +1,7 @@
 #pragma once
 // What searches and second looks share. Inline: a program without second looks links nothing of found_track.cpp's starts.
 #include "face/ibug_landmarks.hpp"
+#include "face/turned_picture.hpp"
 #include "track/face_detection_state.hpp"
 #include "track/tracker_parts.hpp"
 
@@ -12,6 +13,11 @@ struct NextTrack;
 inline FaceBox box_of_track(TrackerParts& t) {
   const auto place = [&](std::uint16_t k, Vec2* x) { return t.offsets.project(k, t.estimator, x); };
   return box_at_landmarks(t.model(), t.estimator.view().s, place);
+}
+
+/// The roll with which an alignment in that box begins, as after a search: of an upright head it is 0.
+inline float roll_of_track(TrackerParts& t) {
+  return roll_of_turn(turn_of(t.estimator.view().q));
 }
 
 /// Mean distance of landmarks from the tracked ones, over that of their outer eye corners. Negative if one is behind the camera.

@@ -3,7 +3,6 @@
 #include "base/arrays.hpp"
 #include "face/box_selection.hpp"
 #include "face/ibug_landmarks.hpp"
-#include "face/turned_picture.hpp"
 #include "track/face_detection_state.hpp"
 #include "track/found_track.hpp"
 #include "track/frame_worth.hpp"
@@ -40,8 +39,7 @@ struct Alignments {
 
   /// Aligns the mean face in a box, all parameters free, with the roll of the last good frame. Results go to `to`.
   Status align_in(const FaceBox& box, const AlignmentRoom& to, AlignedFace* face) const {
-    const float roll = roll_of_turn(turn_of(t.estimator.view().q));
-    return align_in_box(modules(), aligner, frame, box, roll, t.estimator.camera(), to, face);
+    return align_in_box(modules(), aligner, frame, box, roll_of_track(t), t.estimator.camera(), to, face);
   }
 };
 

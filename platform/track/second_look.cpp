@@ -101,7 +101,7 @@ void begin_track(TrackerParts& t) {
   look.suspected = {};
 }
 
-/// From a frontal pose and the mean face: the track, which may be wrong, tells no more than where the face is.
+/// From a frontal pose and the mean face: the track, which may be wrong, tells no more than where the face is, and its roll.
 void begin_look(TrackerParts& t, const FrameView& frame) {
   FaceDetectionState& detection = face_detection_of(t);
   SecondLookState& look = *detection.look;
@@ -110,8 +110,8 @@ void begin_look(TrackerParts& t, const FrameView& frame) {
   look.wait = 2 * look.wait < longest ? 2 * look.wait : longest;
   look.frames_left = look.wait;
   const Status status =
-      look.modules->begin(look.in_scratch_of(t), frame, box_of_track(t), t.estimator.camera(), {},
-                          detection.face_search.room().q, &look.steps_left);
+      look.modules->begin(look.in_scratch_of(t), frame, box_of_track(t), t.estimator.camera(),
+                          {nullptr, roll_of_track(t)}, detection.face_search.room().q, &look.steps_left);
   if (status == Status::ok)
     t.budget.second_look.hurry(kTuning.step_work);
   else

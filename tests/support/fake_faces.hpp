@@ -36,6 +36,7 @@ struct FakeFaces {
   int steps = 0;  ///< of alignments
   int searches = 0, alignments = 0, held_alignments = 0, verifications = 0;
   std::uint32_t work = 0;  ///< of the last search
+  float roll = 0;          ///< of the last alignment
   pliant::Quat expected;   ///< rotation that the last detector was laid out for
 
   static constexpr std::size_t kDetectorBytes = 40'000, kAlignerBytes = 20'000;
@@ -136,6 +137,7 @@ inline Status begin(FaceAligner&, const FrameView& frame, const FaceBox& box, co
   if (frame.sequence >= f.blind_from) return Status::not_found;
   ++f.alignments;
   f.held_alignments += options.is_free != nullptr;
+  f.roll = options.roll;
   *steps = f.steps_an_alignment;
   alignment() = {box, camera, options, *steps};
   return Status::ok;

@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "face/turned_picture.hpp"
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
 #include "track/template_tuning.hpp"
@@ -375,6 +376,23 @@ TEST_CASE("a look takes a step in each frame once it has begun: the head may tur
   for (int step = 2; step <= of_start; ++step) {
     update(tracker.object, film(), k++);
     CHECK(fake.steps == of_start + step);
+  }
+}
+
+TEST_CASE("a look begins with the roll of the head, as a search at that turn does") {
+  for (const int eighths : {0, 2, 7}) {
+    CAPTURE(eighths);
+    const FaceFilm rolled(
+        320, 240, 20,
+        [&](float, Pose& pose, auto&) {
+          pose.q = exp_rotation({0, 0, roll_of_turn(eighths) + 0.2f});
+        },
+        0.5f);
+    FakeFaces fake(rolled);
+    InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+    for (std::size_t k = 0; fake.alignments < 2 && k < 20; ++k) update(tracker.object, rolled, k);
+    CHECK(fake.alignments == 2);
+    CHECK(fake.roll == roll_of_turn(eighths));
   }
 }
 
