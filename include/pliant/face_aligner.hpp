@@ -49,9 +49,10 @@ class FaceAligner {
   /// Arena layout (create_in, measured_bytes), with the model's own learnt table, whose checksum Model::open has computed.
   void lay_out(Arena& arena, const Model& model) { lay_out(arena, model, model.aligner()); }
   /// The same in three tenths of the memory: what an alignment keeps from frame to frame. Each frame's calls need `lay_out_scratch`
-  /// before them; without, they return capacity.
+  /// before them. Until the first one, calls return capacity.
   void lay_out_spread(Arena& arena, const Model& model);
-  /// The rest, in memory that may be used otherwise after the frame's calls. Nothing happens after another layout.
+  /// The rest, in memory that may be used otherwise after the frame's calls. If it has no room, or measures, they return capacity.
+  /// Nothing happens after another layout.
   void lay_out_scratch(Arena& scratch);
   /// Bytes of it.
   static std::size_t scratch_bytes(const Model& model);

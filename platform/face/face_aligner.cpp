@@ -21,7 +21,7 @@ void FaceAligner::lay_out_scratch(Arena& scratch) {
   if (state_ == nullptr || state_->use != AlignerUse::spread_alignment) return;
   state_->pass.lay_out_scratch(scratch);
   if (state_->status == Status::ok || state_->status == Status::capacity)
-    state_->status = scratch.exhausted() ? Status::capacity : Status::ok;
+    state_->status = scratch.exhausted() || scratch.is_measuring() ? Status::capacity : Status::ok;
 }
 
 std::size_t FaceAligner::scratch_bytes(const Model& model) {

@@ -137,6 +137,12 @@ TEST_CASE("an aligner that borrows scratch memory keeps less, and finds the same
     CHECK_FALSE(scratch.exhausted());
     CHECK((scratch.used_bytes() > 0) == borrows);
     REQUIRE(align() == Status::ok);
+    Arena small(lent.data(), lent.size() / 2), measuring;
+    for (Arena* of : {&small, &measuring}) {
+      aligner.lay_out_scratch(*of);
+      REQUIRE(aligner.status() == (borrows ? Status::capacity : Status::ok));
+      CHECK(align() == aligner.status());
+    }
   }
   CHECK(bytes[true] < 0.35 * static_cast<double>(bytes[false]));
   for (std::size_t k = 0; k < found[0].size(); ++k) CHECK(length(found[true][k] - found[false][k]) == 0);
