@@ -5,8 +5,8 @@
 
 namespace pliant {
 
-/// An upright square around a face. The box of a frontal face reaches from about the brows to about the chin.
-/// Roll does not change it.
+/// An upright square around a face. The box of a frontal face reaches from the middle of the forehead to just above the chin: of
+/// the mean face from 14 mm above the brows to 9 mm above the chin. Roll does not change it.
 struct FaceBox {
   Vec2 center;     ///< px: midway between the middle of the outer eye corners and the middle of the mouth corners
   float side = 0;  ///< px: kFaceBoxMm at the image scale of the face; 0: no face
