@@ -27,6 +27,9 @@ constexpr int kLargestFramePx = 8192;
 struct FaceDetectorLimits {
   std::uint16_t width = 320, height = 240;  ///< largest frame, px, up to kLargestFramePx
   std::uint16_t smallest_px = 48;           ///< side of the smallest face box, px; less than 48 counts as 48
+  /// Windows that one call keeps, the best ones, of which a face has 3 to 40: of more than about 50 faces in a frame the default
+  /// loses some. 16 bytes each; 0 counts as 1.
+  std::uint16_t hits = 192;
 };
 
 /// Finds upright faces by a window that slides over the frame at many sizes, and boosted trees over gradient cells
@@ -47,8 +50,7 @@ class FaceDetector {
   Status status() const { return status_; }
 
   /// Searches a whole frame, independently of earlier calls. Writes the faces found to `room`, best first, and their
-  /// number to `count`: those with the highest scores if there are more than fit. A call keeps the 192 best windows, of which a
-  /// face has several: of more than about 50 faces some are missing, whatever `room` holds. `search` finds them in parts.
+  /// number to `count`: those with the highest scores if there are more than fit (FaceDetectorLimits::hits limits them, too).
   /// \return as status(); `bad_argument` for a null pointer or an unreadable frame, `size_mismatch` for one beyond the
   ///         limits. A frame too small for a face is `ok`; nothing is found. Cost: 4 ms on a PC for 320 x 240 pixels,
   ///         64 million instructions on a Cortex-M7.

@@ -29,13 +29,14 @@ float overlap(const FaceBox& a, const FaceBox& b) {
   return all > 0 ? both / all : 0;
 }
 
-void BoxHits::lay_out(Arena& arena) {
-  hits_ = arena.take<BoxHit>(kCapacity);
+void BoxHits::lay_out(Arena& arena, int capacity) {
+  hits_ = arena.take<BoxHit>(static_cast<std::size_t>(capacity));
+  capacity_ = capacity;
   count_ = 0;
 }
 
 void BoxHits::add(const BoxHit& hit) {
-  if (count_ < kCapacity) {
+  if (count_ < capacity_) {
     hits_[count_++] = hit;
     return;
   }

@@ -24,9 +24,8 @@ inline bool is_same(const FaceBox& a, const FaceBox& b, float most_shift, float 
 /// Collects the hits with the highest sums.
 class BoxHits {
  public:
-  static constexpr int kCapacity = 192;  ///< hits; a face gives 10 to 40
-
-  void lay_out(Arena& arena);
+  /// \param capacity  hits, at least 1; a face gives 3 to 40.
+  void lay_out(Arena& arena, int capacity);
   void clear() { count_ = 0; }
   /// Adds a hit; if all places are taken, in place of the one with the lowest sum, if that is lower.
   void add(const BoxHit& hit);
@@ -38,7 +37,7 @@ class BoxHits {
 
  private:
   BoxHit* hits_ = nullptr;
-  int count_ = 0;
+  int count_ = 0, capacity_ = 0;
 };
 
 }  // namespace pliant

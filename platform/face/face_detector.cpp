@@ -30,7 +30,7 @@ void FaceDetector::lay_out(Arena& arena, const Span<const std::uint8_t>& table,
   State& state = state_ == nullptr ? unused : *state_;
   status_ = DetectorTable::open(table, &state.table);
   state.strip.lay_out(arena, SearchPlace::most_columns(limits.width));
-  state.hits.lay_out(arena);
+  state.hits.lay_out(arena, larger(int{limits.hits}, 1));
 }
 
 // All windows of the strip's last row of windows.

@@ -74,6 +74,20 @@ TEST_CASE("one face is found in a photograph, and its landmarks are where people
   }
 }
 
+TEST_CASE("all faces of a large group are found") {
+  FaceFinder finder(face_file());
+  const FaceBox box = finder.find(astronaut(), "astronaut", 0.5f).at(0).box;
+  const float scale = 80 / box.side;
+  const Image one = resized(astronaut(), scale);
+  constexpr int kAcross = 15, kDown = 10, kStep = 127;
+  Image group(kAcross * kStep, kDown * kStep, 1, 0);
+  for (int j = 0; j < group.height; ++j)
+    for (int i = 0; i < group.width; ++i)
+      *group.at(i, j) = *one.at(static_cast<int>(scale * box.center.x) - kStep / 2 + i % kStep,
+                                static_cast<int>(scale * box.center.y) - kStep / 2 + j % kStep + 10);
+  CHECK(finder.find(group, "group", 0.5f).size() == kAcross * kDown);
+}
+
 TEST_CASE(
     "a mask over the mouth and dark glasses show in the least part, and a picture in low light does not") {
   const NamedLandmarks truth = astronaut_truth();

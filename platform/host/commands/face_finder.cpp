@@ -15,6 +15,8 @@ namespace {
 
 /// Most detections in one picture that are aligned, count. Round value, not tuned: a photograph of a large group.
 constexpr std::size_t kMaxDetections = 256;
+/// Windows of the detector for each of them, count: a face gives up to so many.
+constexpr std::size_t kWindowsAFace = 40;
 /// Two alignments are one face if their centres are closer than this fraction of the larger side. Round value, not tuned:
 /// faces side by side have more distance.
 constexpr float kSameFaceFraction = 0.4f;
@@ -75,6 +77,7 @@ std::vector<FoundFace> FaceFinder::find(const Image& grey, const std::string& na
   FaceDetectorLimits limits;
   limits.width = static_cast<std::uint16_t>(grey.width);
   limits.height = static_cast<std::uint16_t>(grey.height);
+  limits.hits = static_cast<std::uint16_t>(kWindowsAFace * kMaxDetections);
   Owned<RolledDetector> detector(file_.model().detector(), limits, Quat{});
   require(detector->status(), file_.path() + ": detector");
   std::vector<FoundFace> faces;

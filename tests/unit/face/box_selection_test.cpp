@@ -10,12 +10,14 @@ using namespace pliant;
 
 namespace {
 
+constexpr int kCapacity = 192;
+
 struct Rig {
   AlignedBlock block{1 << 13};
   Arena arena{block.data(), block.size()};
   BoxHits hits;
   Rig() {
-    hits.lay_out(arena);
+    hits.lay_out(arena, kCapacity);
     REQUIRE(!arena.exhausted());
   }
 };
@@ -68,7 +70,7 @@ TEST_CASE("a clear hit weighs more than a weak one") {
 
 TEST_CASE("beyond its capacity the weakest hits are dropped") {
   Rig rig;
-  for (int k = 0; k < 3 * BoxHits::kCapacity; ++k)
+  for (int k = 0; k < 3 * kCapacity; ++k)
     rig.hits.add(hit(static_cast<float>(100 * k), 0, 50, (k * 7919) % 1000));
   int count = 0, last = 1000;
   for (; !rig.hits.empty(); ++count) {
@@ -76,7 +78,7 @@ TEST_CASE("beyond its capacity the weakest hits are dropped") {
     CHECK(sum <= last);
     last = sum;
   }
-  CHECK(count == BoxHits::kCapacity);
+  CHECK(count == kCapacity);
   CHECK(last > 600);
 }
 

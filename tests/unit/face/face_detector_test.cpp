@@ -87,6 +87,22 @@ TEST_CASE("several patterns are found, the clearest first") {
   CHECK(is_at(faces[1 - large], 60, 70, 60));
 }
 
+TEST_CASE("in a crowd as many patterns are found as the limits keep hits for") {
+  constexpr int kAcross = 12, kDown = 9, kStep = 70;
+  Picture p(kAcross * kStep, kDown * kStep, 120);
+  for (int k = 0; k < kAcross * kDown; ++k)
+    detector_pattern::draw(&p, kStep * (k % kAcross) + 35, kStep * (k / kAcross) + 35, 50);
+  for (const std::uint16_t hits : {std::uint16_t{0}, std::uint16_t{20}, std::uint16_t{5000}}) {
+    CAPTURE(hits);
+    FaceDetectorLimits limits{840, 630, 48, hits};
+    Rig rig(limits);
+    DetectedFace faces[200];
+    std::size_t count = 0;
+    REQUIRE(rig.detector.find(p.frame(), {faces, 200}, &count) == Status::ok);
+    CHECK((hits == 5000 ? count == kAcross * kDown : count >= 1 && count <= (hits > 0 ? hits : std::size_t{1})));
+  }
+}
+
 TEST_CASE("nothing is found in pictures without the pattern, of any size from 1 x 1 on") {
   FaceDetectorLimits limits;
   limits.width = limits.height = 8192;
