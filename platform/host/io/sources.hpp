@@ -26,10 +26,12 @@ bool is_animated_png(const std::string& path);
 /// Opens a video file through the ffmpeg program, the first video track in it.
 OpenedFrames open_video(const std::string& path);
 class ChildProcess;
-/// Opens the Y4M stream that a program writes. `name` names it in messages. \param rate  n:d, frames a second, that counts instead
-/// of the stream's; empty: the stream's.
+/// Opens the Y4M stream that a program writes. `name` names it in messages. \param tags  of a Y4M header, each after a space, that
+/// count instead of the stream's own.
 OpenedFrames open_y4m_from(std::unique_ptr<ChildProcess> program, const std::string& name,
-                           const std::string& rate);
+                           const std::string& tags);
+/// The tag of the matrix of a stream's colours, before ffmpeg's name of that (ours: ffmpeg writes none).
+constexpr char kMatrixTag[] = "XMATRIX=";
 
 struct CameraSpec;
 /// Opens and starts a camera. Without libcamera in the build it returns an error.

@@ -62,32 +62,37 @@ class PacketTimes {
   bool is_usable_ = true;
 };
 
-/// Frames a second in the mean, n:d; empty if the program ffprobe, which comes with ffmpeg, does not tell. Of irregular times
-/// ffmpeg writes the smallest distance into the Y4M header, and many containers state a rate that is none of theirs.
+/// Tags of a Y4M header with what the program ffprobe, which comes with ffmpeg, tells: frames a second in the mean, and the matrix
+/// of the colours. Of irregular times ffmpeg writes the smallest distance into the Y4M header, and many containers state a rate
+/// that is none of theirs; the matrix it leaves as it is, and does not write.
 /// \param file  the program's standard input.
-std::string mean_rate(const std::vector<std::string>& input, const std::string& file) {
+std::string probed_tags(const std::vector<std::string>& input, const std::string& file) {
   std::vector<std::string> words{"ffprobe"};
   words.insert(words.end(), input.begin(), input.end());
-  words.insert(words.end(),
-               {"-select_streams", "v:0", "-read_intervals", "%+#" + std::to_string(kMostPackets),
-                "-show_entries", "packet=pts_time:stream=avg_frame_rate,nb_frames", "-of", "default=nw=1"});
+  words.insert(
+      words.end(),
+      {"-select_streams", "v:0", "-read_intervals", "%+#" + std::to_string(kMostPackets), "-show_entries",
+       "packet=pts_time:stream=avg_frame_rate,nb_frames,color_space", "-of", "default=nw=1"});
   const auto ffprobe = ChildProcess::start(words, ChildProcess::Pipe::from_output, file);
   if (ffprobe == nullptr) return "";
   PacketTimes times;
   Rate stated;
   long long counted = 0;  // frames, where the container has an index
+  std::string tags;
   for (char line[64]; std::fgets(line, sizeof line, ffprobe->stream()) != nullptr;) {
-    char time[32];
+    char time[32], space[32];
     if (std::sscanf(line, "pts_time=%31s", time) == 1) times.add(parse_number(time));
     std::sscanf(line, "avg_frame_rate=%lld/%lld", &stated.n, &stated.d);
     std::sscanf(line, "nb_frames=%lld", &counted);
+    if (std::sscanf(line, "color_space=%31s", space) == 1) tags = std::string(" ") + kMatrixTag + space;
   }
   const Rate mean = times.mean();
   // Times in milliseconds, or of a recorder's clock, give a constant rate to about this.
   constexpr double kRelativeError = 0.01;
   const bool agrees = std::abs(stated.per_second() - mean.per_second()) <= kRelativeError * mean.per_second();
   const bool is_of_index = counted > 0 && !times.is_all();
-  return rate_text(mean.d == 0 || agrees || is_of_index ? stated : mean);
+  const std::string rate = rate_text(mean.d == 0 || agrees || is_of_index ? stated : mean);
+  return rate.empty() ? tags : tags + " F" + rate;
 }
 
 /// Null for anything else than a file: a pipe cannot be read twice.
@@ -150,7 +155,7 @@ OpenedFrames open_video(const std::string& path) {
     return {
         nullptr,
         path + ": is no Y4M; the program ffmpeg would read it, but is not installed (apt install ffmpeg)"};
-  OpenedFrames opened = open_y4m_from(std::move(ffmpeg), path, mean_rate(input, file));
+  OpenedFrames opened = open_y4m_from(std::move(ffmpeg), path, probed_tags(input, file));
   if (opened.source == nullptr && is_animated_webp(path))
     opened.message =
         path + ": is an animated WebP, which this ffmpeg does not read; convert it, to GIF for example";

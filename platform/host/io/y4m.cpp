@@ -76,16 +76,16 @@ class Stream {
   std::string name_;
 };
 
-// Red, green and blue of BT.601 from luma and the two chroma values, whose middle is 0.
-void set_colour(int y, int cb, int cr, std::uint8_t* rgb) {
+// Red, green and blue from luma and the two chroma values, whose middle is 0.
+void set_colour(const ColourMatrix& m, int y, int cb, int cr, std::uint8_t* rgb) {
   const auto byte = [](int thousandths) {
     return static_cast<std::uint8_t>(thousandths < 0        ? 0
                                      : thousandths > 255000 ? 255
                                                             : (thousandths + 500) / 1000);
   };
-  rgb[0] = byte(1000 * y + 1402 * cr);
-  rgb[1] = byte(1000 * y - 344 * cb - 714 * cr);
-  rgb[2] = byte(1000 * y + 1772 * cb);
+  rgb[0] = byte(1000 * y + m.red_of_cr * cr);
+  rgb[1] = byte(1000 * y + m.green_of_cb * cb + m.green_of_cr * cr);
+  rgb[2] = byte(1000 * y + m.blue_of_cb * cb);
 }
 
 // The values of a limited range (BT.601), in which black is `low` and there are `steps` to the end, as those of the full one.
@@ -120,7 +120,7 @@ class Y4mSource : public FrameSource {
         const auto at =
             static_cast<std::size_t>(j * half.height / height_) * static_cast<std::size_t>(half.width) +
             static_cast<std::size_t>(i * half.width / width_);
-        set_colour(*y, chroma_[at] - 128, chroma_[plane + at] - 128, out.at(i, j));
+        set_colour(header_.matrix, *y, chroma_[at] - 128, chroma_[plane + at] - 128, out.at(i, j));
       }
     return out;
   }
@@ -172,7 +172,7 @@ class Y4mSource : public FrameSource {
   std::vector<std::uint8_t> luma_, chroma_;
 };
 
-OpenedFrames open_stream(std::unique_ptr<Stream> stream, const std::string& rate = "") {
+OpenedFrames open_stream(std::unique_ptr<Stream> stream, const std::string& tags = "") {
   const std::string& name = stream->name();
   bool is_whole = false;
   const std::string line = stream->line(is_whole);
@@ -183,8 +183,8 @@ OpenedFrames open_stream(std::unique_ptr<Stream> stream, const std::string& rate
     return {nullptr, name + (why.empty() ? ": is empty" : ": cannot be read as a video: " + why)};
   }
   Y4mHeader header;
-  const std::string counts = rate.empty() ? line : line + " F" + rate;  // the last one counts
-  if (const std::string wrong = parse_y4m_header(counts, header); !wrong.empty())
+  // Of tags of a kind the last one counts.
+  if (const std::string wrong = parse_y4m_header(line + tags, header); !wrong.empty())
     return {nullptr, name + ": " + wrong};
   if (!is_whole) return {nullptr, name + ": ends, or goes on without end, in its first line"};
   return {std::make_unique<Y4mSource>(std::move(stream), header), {}};
@@ -200,8 +200,8 @@ OpenedFrames open_y4m(const std::string& path) {
 }
 
 OpenedFrames open_y4m_from(std::unique_ptr<ChildProcess> program, const std::string& name,
-                           const std::string& rate) {
-  return open_stream(std::make_unique<Stream>(std::move(program), name), rate);
+                           const std::string& tags) {
+  return open_stream(std::make_unique<Stream>(std::move(program), name), tags);
 }
 
 }  // namespace pliant::host

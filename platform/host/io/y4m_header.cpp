@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <sstream>
 
 #include "host/io/sources.hpp"
@@ -56,6 +57,13 @@ bool set_chroma(Y4mHeader& h) {
   return true;
 }
 
+// By ffmpeg's name. Those of other names, and of none, count as BT.601, as ffmpeg takes them.
+ColourMatrix matrix_of(const std::string& name) {
+  if (name == "bt709") return {1575, -187, -468, 1856};
+  if (name == "bt2020nc") return {1475, -165, -571, 1881};
+  return {};
+}
+
 std::string wrong_side(const char* name, int value) {
   return std::string("its header says ") + name + " is " + std::to_string(value) + ", but a side is 1 to " +
          std::to_string(kMaxFrameSide);
@@ -82,6 +90,8 @@ std::string parse_y4m_header(const std::string& line, Y4mHeader& h) {
       h.chroma = value;
     } else if (word == "XCOLORRANGE=LIMITED") {
       h.is_limited = true;
+    } else if (word.rfind(kMatrixTag, 0) == 0) {
+      h.matrix = matrix_of(word.substr(std::strlen(kMatrixTag)));
     } else if (word[0] == 'A') {
       if (!are_square(value))
         return "its pixels are not square (" + word +

@@ -163,6 +163,35 @@ TEST_CASE("the rate is the mean one that ffprobe tells, else that of ffmpeg's st
   }
 }
 
+TEST_CASE("colours are those of the video's matrix, which ffprobe tells") {
+  const Folder folder;
+  const SearchPath path(folder.path.string(), false);
+  const std::string clip = folder.put("clip.mp4", "x");
+  using Colour = std::vector<std::uint8_t>;
+  // One pixel of red in each: luma, Cb and Cr.
+  const struct {
+    const char *space, *pixel;
+    Colour colour;
+  } kCases[] = {
+      {"color_space=bt709\n", "\\066\\143\\377", {254, 0, 0}},      // 54, 99, 255
+      {"color_space=bt2020nc\n", "\\103\\134\\377", {254, 0, 0}},   // 67, 92, 255
+      {"color_space=smpte170m\n", "\\114\\125\\377", {254, 0, 0}},  // 76, 85, 255
+      {"color_space=unknown\n", "\\114\\125\\377", {254, 0, 0}},   {"", "\\114\\125\\377", {254, 0, 0}},
+  };
+  for (const auto& c : kCases) {
+    CAPTURE(std::string(c.space));
+    put_program(folder, "ffmpeg",
+                std::string("printf 'YUV4MPEG2 W1 H1 F25:1 C420jpeg\\nFRAME\\n") + c.pixel + "'\n");
+    put_program(folder, "ffprobe", "printf 'avg_frame_rate=30/1\n" + std::string(c.space) + "'\n");
+    const OpenedFrames opened = open_frames(clip);
+    REQUIRE(opened.source != nullptr);
+    CHECK(opened.source->rate().per_second() == doctest::Approx(30));
+    FrameView frame;
+    REQUIRE(opened.source->next(frame) == Status::ok);
+    CHECK(opened.source->colour().pixels == c.colour);
+  }
+}
+
 TEST_CASE("of a long film the beginning is read, and the rate of an index counts, which knows the whole") {
   const Folder folder;
   put_program(folder, "ffmpeg", kTwoFrames);
