@@ -110,16 +110,15 @@ class Y4mSource : public FrameSource {
   }
 
   Image colour() const override {
-    const ImageSize& half = header_.chroma_size;
-    if (half.width == 0) return {};
+    const ImageSize &size = header_.chroma_size, &step = header_.chroma_step;
+    if (size.width == 0) return {};
     Image out(width_, height_, 3);
     const std::uint8_t* y = luma_.data();
-    const auto plane = static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height);
+    const auto plane = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
     for (int j = 0; j < height_; ++j)
       for (int i = 0; i < width_; ++i, ++y) {
-        const auto at =
-            static_cast<std::size_t>(j * half.height / height_) * static_cast<std::size_t>(half.width) +
-            static_cast<std::size_t>(i * half.width / width_);
+        const auto at = static_cast<std::size_t>(j / step.height) * static_cast<std::size_t>(size.width) +
+                        static_cast<std::size_t>(i / step.width);
         set_colour(header_.matrix, *y, chroma_[at] - 128, chroma_[plane + at] - 128, out.at(i, j));
       }
     return out;

@@ -40,16 +40,17 @@ bool are_square(const std::string& ratio) {
   return across >= 0 && down >= 0 && std::abs(std::int64_t{1000} * (across - down)) <= down;
 }
 
-// Sets size and bytes of the chroma planes (and alpha) for a colour space of eight bits. False for any other.
+// Sets step, size and bytes of the chroma planes (and alpha) for a colour space of eight bits. False for any other.
 bool set_chroma(Y4mHeader& h) {
   const std::string& c = h.chroma;
-  int across = 1, down = 1;  // pixels to a sample of chroma
+  int across = 1, down = 1;
   if (c == "420" || c == "420jpeg" || c == "420mpeg2" || c == "420paldv")
     across = down = 2;
   else if (c == "422" || c == "411")
     across = c == "422" ? 2 : 4;
   else if (c != "444" && c != "444alpha" && c != "mono")
     return false;
+  h.chroma_step = {across, down};
   if (c != "mono") h.chroma_size = {(h.width + across - 1) / across, (h.height + down - 1) / down};
   const auto plane =
       static_cast<std::size_t>(h.chroma_size.width) * static_cast<std::size_t>(h.chroma_size.height);

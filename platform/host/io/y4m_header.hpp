@@ -19,6 +19,7 @@ struct Y4mHeader {
   std::string chroma = "420";  ///< the value of C
   bool is_limited = false;     ///< values are of 16 to 235, and of 16 to 240 for chroma
   ColourMatrix matrix;
+  ImageSize chroma_step{1, 1};                   ///< pixels to a sample of chroma
   ImageSize chroma_size;                         ///< of each of the two chroma planes; 0 x 0 for grey
   std::size_t luma_bytes = 0, chroma_bytes = 0;  ///< of one frame; chroma: everything after luma
 };

@@ -245,6 +245,39 @@ TEST_CASE("chroma of every layout is skipped, for odd sizes too") {
   }
 }
 
+TEST_CASE("a sample of chroma belongs to the pixels that it was made of, for odd sizes too") {
+  const struct {
+    const char* space;
+    int across, down;
+  } kLayouts[] = {{"411", 4, 1}, {"422", 2, 1}, {"420jpeg", 2, 2}, {"444", 1, 1}};
+  for (const auto& l : kLayouts)
+    for (int width = 1; width <= 9; ++width) {
+      CAPTURE(l.space);
+      CAPTURE(width);
+      constexpr int kHeight = 3;
+      const int across = (width + l.across - 1) / l.across, down = (kHeight + l.down - 1) / l.down;
+      std::string cb, cr;
+      for (int k = 0; k < across * down; ++k) {
+        cb += '\x80';
+        cr += static_cast<char>(128 + k);  // red tells which sample it is
+      }
+      const Folder folder;
+      const std::string path = folder.write(
+          "x.y4m", "YUV4MPEG2 W" + std::to_string(width) + " H3 F25:1 C" + l.space + "\nFRAME\n" +
+                       std::string(static_cast<std::size_t>(width * kHeight), 100) + cb + cr);
+      const OpenedFrames opened = open_frames(path);
+      REQUIRE(opened.source != nullptr);
+      FrameView frame;
+      REQUIRE(opened.source->next(frame) == Status::ok);
+      const Image colour = opened.source->colour();
+      for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < width; ++x) {
+          const int sample = y / l.down * across + x / l.across;
+          CHECK(static_cast<int>(colour.at(x, y)[0]) == 100 + (1402 * sample + 500) / 1000);
+        }
+    }
+}
+
 TEST_CASE("a stream cut anywhere gives the whole frames before the cut, then says what is missing") {
   for (const std::string& tag : {std::string("Cmono"), std::string("C420jpeg")}) {
     const Folder folder;
