@@ -1,4 +1,5 @@
 // `pliant render`: renders a video of a model with known parameters and writes the truth.
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -85,12 +86,18 @@ Image background_of(const Args& args, const ImageSize& size, std::uint32_t seed)
   return is_grey(image) ? to_grey(image) : image;
 }
 
-/// Rows of a track that are lost.
-std::size_t count_lost(const CsvTable& table) {
+/// Gives lost rows at the start the state of the first that is not, as `animate` does: they have no row before. Bad input: all are
+/// lost. \return the number of lost rows.
+std::size_t fill_lost(const CsvTable& table, std::vector<PosedParameters>& rows) {
   const auto state = table.find_column("state");
-  std::size_t count = 0;
-  for (std::size_t r = 0; state && r < table.row_count(); ++r)
-    count += table.cell(r, *state) == "lost" ? 1 : 0;
+  std::size_t count = 0, first = rows.size();
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (state && table.cell(r, *state) == "lost")
+      ++count;
+    else
+      first = std::min(first, r);
+  if (first == rows.size()) fail_input(table.source(), "is of a track that has found nothing");
+  std::fill(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(first), rows[first]);
   return count;
 }
 
@@ -112,9 +119,7 @@ std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, 
   auto rows = read_posed_parameters(table, model, neutral, &unmatched);
   list_unmatched(unmatched, path, console.err);
   if (rows.empty()) fail_input(path, "has no rows");
-  const std::size_t lost = count_lost(table);
-  if (lost == rows.size()) fail_input(path, "is of a track that has found nothing");
-  list_lost(lost, rows.size(), path, console.err);
+  list_lost(fill_lost(table, rows), rows.size(), path, console.err);
   list_clamped(clamp_to_limits(model, rows), path, console.err);
   return rows;
 }

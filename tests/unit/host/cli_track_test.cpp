@@ -287,6 +287,26 @@ TEST_CASE("a track that has found nothing is not rendered") {
   CHECK_FALSE(s.has("r.y4m"));
 }
 
+TEST_CASE("frames that are lost at the start of a track are rendered as the first that is not") {
+  const Sequence s;
+  const std::string track = s.put("late.csv",
+                                  "frame,state,qw,qx,qy,qz,tx,ty,tz,jawOpen\n0,lost,,,,,,,,\n1,lost,,,,,,,,\n"
+                                  "2,tracking,0.8,0,0.6,0,12,-7,700,0.1\n3,lost,,,,,,,,\n");
+  const Ran r = run_words({"render", s.model, "--params", track, "-o", s / "r.y4m", "--truth", s / "rt.csv"});
+  CAPTURE(r.err);
+  REQUIRE(r.code == 0);
+  CHECK(contains(r.err, "3 of 4 frames are lost"));
+  const CsvTable truth(s / "rt.csv", read_file(s / "rt.csv"));
+  REQUIRE(truth.row_count() == 4);
+  for (std::size_t row = 0; row < 4; ++row) {
+    CAPTURE(row);
+    CHECK(truth.number(row, truth.column("qy")) == 0.6f);
+    CHECK(truth.number(row, truth.column("tx")) == 12);
+    CHECK(truth.number(row, truth.column("tz")) == 700);
+    CHECK(truth.number(row, truth.column("jawOpen")) == 0.1f);
+  }
+}
+
 TEST_CASE("a Y4M stream with a wrong size or without a header is refused in one line") {
   const Sequence s;
   const std::string whole = read_file(s.video), body = whole.substr(whole.find('\n') + 1);
