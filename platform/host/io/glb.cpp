@@ -9,7 +9,8 @@ namespace pliant::host {
 
 namespace {
 
-constexpr int kFloat = 5126, kUint16 = 5123, kVertexData = 34962, kIndices = 34963, kNoTarget = 0;
+constexpr int kFloat = 5126, kUint16 = 5123, kVertexData = 34962, kIndices = 34963, kNoTarget = 0,
+              kClampToEdge = 33071;
 
 /// A chunk of a GLB file: length, kind, contents padded to a multiple of four bytes.
 std::string chunk(std::uint32_t kind, std::string contents, char filler) {
@@ -113,7 +114,7 @@ int GlbFile::add_material(const std::string& picture, bool is_lit) {
     const bool is_jpeg = picture.compare(0, 2, "\xff\xd8") == 0;
     images_.push_back(Json::object(
         {{"bufferView", add_view(picture, kNoTarget)}, {"mimeType", is_jpeg ? "image/jpeg" : "image/png"}}));
-    textures_.push_back(Json::object({{"source", images_.size() - 1}}));
+    textures_.push_back(Json::object({{"source", images_.size() - 1}, {"sampler", 0}}));
     surface["baseColorTexture"]["index"] = textures_.size() - 1;
   }
   Json material = Json::object({{"pbrMetallicRoughness", surface}, {"doubleSided", true}});
@@ -132,6 +133,9 @@ std::string GlbFile::bytes(Json root) const {
   add_list("materials", materials_);
   add_list("images", images_);
   add_list("textures", textures_);
+  // A chart may reach its picture's border, where glTF's default would blend in the opposite one.
+  if (!textures_.empty())
+    root["samplers"][0] = Json::object({{"wrapS", kClampToEdge}, {"wrapT", kClampToEdge}});
   add_list("accessors", accessors_);
   add_list("bufferViews", views_);
   root["buffers"] = Json::array({Json::object({{"byteLength", buffer_.size()}})});

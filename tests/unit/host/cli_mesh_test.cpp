@@ -126,6 +126,11 @@ TEST_CASE("a GLB is in metres by its node, says how large it is, and carries the
   CHECK(positions.at("max").at(1).get<double>() == doctest::Approx(static_cast<double>(high)));
   CHECK(high > 75);
   CHECK(glb.view(Glb::number(glb.at("images", 0), "bufferView")).substr(1, 3) == "PNG");
+  // The chart reaches the picture's border, where a picture that repeats blends in the opposite one.
+  CHECK(std::any_of(mesh.uv.begin(), mesh.uv.end(), [](Vec2 uv) { return uv.x == 0; }));
+  const Json& sampler = glb.at("samplers", Glb::number(glb.at("textures", 0), "sampler"));
+  CHECK(Glb::number(sampler, "wrapS") == 33071);  // CLAMP_TO_EDGE
+  CHECK(Glb::number(sampler, "wrapT") == 33071);
 }
 
 TEST_CASE("the chart has every face once, within the picture, tinted by level") {
