@@ -8,6 +8,7 @@
 #include "host/io/bounding_box.hpp"
 #include "host/io/image.hpp"
 #include "host/io/polygon.hpp"
+#include "host/render/synthetic.hpp"
 #include "pliant/visibility.hpp"
 
 namespace pliant::host {
@@ -128,7 +129,13 @@ std::string albedo_png(const Model& model) {
   const ChartImage albedo = model.albedo();
   if (albedo.pixels == nullptr) return {};
   Image image(static_cast<int>(albedo.width), static_cast<int>(albedo.height), 1);
-  image.pixels.assign(albedo.pixels, albedo.pixels + image.pixels.size());
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const Vec2 uv{(static_cast<float>(x) + 0.5f) / static_cast<float>(image.width),
+                    (static_cast<float>(y) + 0.5f) / static_cast<float>(image.height)};
+      const float grey = chart_value(albedo.pixels, albedo.width, albedo.height, uv);
+      *image.at(x, y) = static_cast<std::uint8_t>(grey + 0.5f);
+    }
   return encode_png(image);
 }
 

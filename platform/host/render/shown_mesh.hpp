@@ -20,7 +20,8 @@ MeshData closed_mesh(const ModelMesh& adapted, std::size_t most_vertices = 65535
 std::vector<Vec3> compute_normals(const std::vector<Vec3>& position,
                                   const std::vector<std::array<std::uint16_t, 3>>& faces);
 
-/// The model's albedo as a PNG file; empty if it has none.
+/// The model's albedo as a PNG file; empty if it has none. The albedo's first and last pixels lie at u = 0 and 1; those of the PNG
+/// half a pixel inside, as glTF takes them.
 std::string albedo_png(const Model& model);
 
 }  // namespace pliant::host

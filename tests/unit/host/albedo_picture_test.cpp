@@ -11,6 +11,8 @@
 #include "cli_run.hpp"
 #include "host/bake/bake.hpp"
 #include "host/io/csv.hpp"
+#include "host/render/shown_mesh.hpp"
+#include "host/render/synthetic.hpp"
 #include "random.hpp"
 
 namespace albedo_picture_test {
@@ -231,6 +233,38 @@ TEST_CASE("bake tells of materials that no file has; a byte order mark and sever
   REQUIRE(both.code == 0);
   CHECK(both.err == "");
   CHECK(folder.right() == 20);
+}
+
+TEST_CASE("the picture of a GLB has the albedo where glTF looks for it") {
+  const Folder folder;
+  constexpr int kSide = 16;
+  Image steep(kSide, kSide, 3);
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      for (int c = 0; c < 3; ++c) steep.at(x, y)[c] = static_cast<std::uint8_t>(10 * x + 5 * y);
+  const std::string picture = folder.put("steep.png", encode_png(steep)),
+                    sheet = folder.put("sheet.obj", sheet_obj(false)), table = folder / "m.plm";
+  REQUIRE(run_words({"bake", sheet, "-o", table, "--base-mesh", "60", "--texture", picture}).code == 0);
+  const ModelFile file(table);
+  const ChartImage albedo = file.model().albedo();
+  REQUIRE(albedo.width == kSide);
+  const Image png = image_in("albedo", albedo_png(file.model()));
+  // As a sampler of glTF sees it: pixel centres lie half a pixel inside the border.
+  const auto seen = [&](float u, float v) {
+    const float x = u * kSide - 0.5f, y = v * kSide - 0.5f;
+    const int i = static_cast<int>(x), j = static_cast<int>(y);
+    const float a = x - static_cast<float>(i), b = y - static_cast<float>(j);
+    const auto grey = [&](int k, int l) { return static_cast<float>(png.at(k, l)[0]); };
+    return (1 - b) * ((1 - a) * grey(i, j) + a * grey(i + 1, j)) +
+           b * ((1 - a) * grey(i, j + 1) + a * grey(i + 1, j + 1));
+  };
+  // Within the sheet, whose albedo is a plane: beside it, from 0.95 on, it is that of its boundary, and bends.
+  for (const float u : {0.1f, 0.3f, 0.5f, 0.81f, 0.9f})
+    for (const float v : {0.1f, 0.4f, 0.9f}) {
+      CAPTURE(u);
+      CAPTURE(v);
+      CHECK(std::fabs(seen(u, v) - chart_value(albedo.pixels, albedo.width, albedo.height, {u, v})) < 1.5f);
+    }
 }
 
 TEST_CASE("a material's picture that is not there is refused") {
