@@ -20,13 +20,17 @@ std::string ending_of(const std::string& path) {
   return in_lower_case(std::filesystem::path(path).extension().string());
 }
 
-// `colour` becomes what the file holds beyond luma; it stays as it is for PNM.
+// `colour` becomes what the file holds beyond luma.
 Status read_luma(const std::string& path, LumaPicture& picture, Image& colour, std::string& message) {
-  if (is_pnm(ending_of(path))) return read_pnm(path, picture, message);
+  if (is_pnm(ending_of(path))) {
+    const Status status = read_pnm(path, picture, message);
+    colour = std::move(picture.colour);
+    return status;
+  }
   try {
     colour = read_image(path);
     Image grey = to_grey(colour);
-    picture = {grey.width, grey.height, std::move(grey.pixels)};
+    picture = {grey.width, grey.height, std::move(grey.pixels), {}};
     return Status::ok;
   } catch (const Failure& failure) {
     message = failure.what();

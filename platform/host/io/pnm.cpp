@@ -114,7 +114,7 @@ Status read_pnm(const std::string& path, LumaPicture& picture, std::string& mess
   }
   const auto width = static_cast<std::size_t>(h.width),
              row_bytes = width * static_cast<std::size_t>(h.channels);
-  std::vector<std::uint8_t> row(row_bytes), pixels;
+  std::vector<std::uint8_t> row(row_bytes), pixels, colour;
   for (int y = 0; y < h.height; ++y) {
     const std::size_t got = std::fread(row.data(), 1, row_bytes, file.get());
     if (got < row_bytes) {
@@ -123,8 +123,15 @@ Status read_pnm(const std::string& path, LumaPicture& picture, std::string& mess
     }
     pixels.resize(pixels.size() + width);
     to_luma(row.data(), h, pixels.data() + pixels.size() - width);
+    for (std::size_t k = 0; h.channels == 3 && k < row_bytes; ++k)
+      colour.push_back(stretched(row[k], h.maximum));
   }
-  picture = {h.width, h.height, std::move(pixels)};
+  picture = {h.width, h.height, std::move(pixels), {}};
+  if (h.channels != 3) return Status::ok;
+  picture.colour.width = h.width;
+  picture.colour.height = h.height;
+  picture.colour.channels = h.channels;
+  picture.colour.pixels = std::move(colour);
   return Status::ok;
 }
 

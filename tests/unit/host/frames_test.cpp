@@ -494,4 +494,20 @@ TEST_CASE("a source with colour gives its last frame in colour, whatever the sub
   CHECK(png.source->colour().pixels == picture.pixels);
 }
 
+TEST_CASE("PPM pictures have colour, scaled as their luma is; PGM pictures have none") {
+  const Folder folder;
+  folder.write("1.ppm", "P6 2 1 255\n\xc8\x64\x32\x01\x02\x03");
+  folder.write("2.pgm", "P5 2 1 255\n\x05\x06");
+  folder.write("3.ppm", "P6 2 1 15\n\x0f\x01\x02\x03\x04\x05");
+  const OpenedFrames opened = open_frames(folder.path());
+  REQUIRE(opened.source != nullptr);
+  FrameView frame;
+  const std::vector<std::uint8_t> expected[] = {{200, 100, 50, 1, 2, 3}, {}, {255, 17, 34, 51, 68, 85}};
+  for (const auto& pixels : expected) {
+    REQUIRE(opened.source->next(frame) == Status::ok);
+    CHECK(opened.source->colour().pixels == pixels);
+  }
+  CHECK(static_cast<int>(frame.data[1]) == 17 * luma(3, 4, 5));
+}
+
 }  // namespace frames_test
