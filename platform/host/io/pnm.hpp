@@ -16,7 +16,8 @@ struct LumaPicture {
 };
 
 /// Reads a picture. Colour becomes luma (BT.601: 0.299 R + 0.587 G + 0.114 B, rounded). If the header has a maximum below 255,
-/// values are scaled to 255, and so are those of the colour. Otherwise `io_error` or `truncated`, and `message` names the file and the error.
+/// values are scaled to 255, those of the colour, too. Otherwise `io_error` or `truncated`, and `message` names the file and the
+/// error.
 Status read_pnm(const std::string& path, LumaPicture& picture, std::string& message);
 
 /// The largest value that the header of such a picture tells. For any other, and for one that is cut off, `message` says what is
