@@ -5,12 +5,17 @@
 
 namespace pliant {
 
-/// Sample in 1/16 grey between p, its right neighbour and the two pixels below, `stride` bytes on. Integers only.
+/// Sample in 1/16 grey between four pixels: two of a line, two of the line below. Integers only.
 /// \param fx, fy  fractions of a pixel in 1/256, 0 to 255.
-inline int bilinear_sixteenths(const std::uint8_t* p, std::ptrdiff_t stride, int fx, int fy) {
-  const int upper = p[0] * 256 + (p[1] - p[0]) * fx;
-  const int lower = p[stride] * 256 + (p[stride + 1] - p[stride]) * fx;
+inline int bilinear_sixteenths(int upper_left, int upper_right, int lower_left, int lower_right, int fx,
+                               int fy) {
+  const int upper = upper_left * 256 + (upper_right - upper_left) * fx;
+  const int lower = lower_left * 256 + (lower_right - lower_left) * fx;
   return (upper * 256 + (lower - upper) * fy + 2048) >> 12;
+}
+/// The same between p, its right neighbour and the two pixels below, `stride` bytes on.
+inline int bilinear_sixteenths(const std::uint8_t* p, std::ptrdiff_t stride, int fx, int fy) {
+  return bilinear_sixteenths(p[0], p[1], p[stride], p[stride + 1], fx, fy);
 }
 
 /// Sample in whole greys between four pixels: two of a line, two of the line below. Integers only. \param fx, fy  as above.
