@@ -177,12 +177,13 @@ WarpFit fit(const WarpSystem& s, const Mat2& expected, const i16* image, int cou
 
 float unexplained(const WarpSystem& s, const WarpFit& fit, float variance_sum) {
   float explained = 0;
-  for (int i = s.first; i < kUnknowns; ++i) {
-    float hx = 0;
-    for (int k = s.first; k < kUnknowns; ++k)
-      hx += s.products[k <= i ? lower(i, k) : lower(k, i)] * fit.x[k];
-    explained += fit.x[i] * (2 * fit.b[i] - hx);
-  }
+  with_first(s.first, [&](auto first) {
+    for_each(first, kEnd, [&](auto i) {
+      float hx = 0;
+      for_each(first, kEnd, [&](auto k) { hx += s.products[k <= i ? lower(i, k) : lower(k, i)] * fit.x[k]; });
+      explained += fit.x[i] * (2 * fit.b[i] - hx);
+    });
+  });
   return max(variance_sum - explained, 0);
 }
 
