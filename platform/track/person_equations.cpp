@@ -1,9 +1,26 @@
 #include "track/person_equations.hpp"
 
 #include "base/integers.hpp"
+#include "base/wide_vectors.hpp"
 #include "pliant/geometry.hpp"
 
 namespace pliant {
+
+namespace {
+
+/// g += w r B^T and, in the packed triangle h of n rows, h += w B^T B, of one row B with residual r and weight w.
+PLIANT_WIDE_VECTORS
+void add_row(const float* __restrict row, std::size_t n, float residual, float weight, float* __restrict h,
+             float* __restrict g) {
+  for (; n > 0; h += n, --n, ++row, ++g) {
+    const float w = weight * *row;
+    if (w == 0) continue;
+    *g += w * residual;
+    for (std::size_t j = 0; j < n; ++j) h[j] += w * row[j];
+  }
+}
+
+}  // namespace
 
 void PersonEquations::lay_out(Arena& arena, std::size_t unknowns) {
   count_ = unknowns;
@@ -17,13 +34,7 @@ void PersonEquations::reset() {
 }
 
 void PersonEquations::add(const float* row, float residual, float weight) {
-  for (std::size_t i = 0; i < count_; ++i) {
-    const float w = weight * row[i];
-    if (w == 0) continue;
-    g_[i] += w * residual;
-    float* const to = of_row(i);
-    for (std::size_t j = i; j < count_; ++j) to[j] += w * row[j];
-  }
+  add_row(row, count_, residual, weight, h_, g_);
 }
 
 void PersonEquations::add_prior(std::size_t unknown, float residual, float weight) {
