@@ -55,19 +55,22 @@ void subtract_scaled(float* y, float f, const float* x, std::size_t n) {
   for (; j < n; ++j) y[j] -= f * x[j];
 }
 
-/// Subtracts four rows in order. Same bits as four calls, with a quarter of the loads and stores.
+/// Subtracts from the packed triangle y of n rows, in order, what four rows x of the factor eliminate. Same bits as one after the
+/// other, with a quarter of the loads and stores.
 PLIANT_WIDE_VECTORS
-void subtract_panel(float* __restrict y, const float (&f)[kPanel], const float* const (&x)[kPanel],
-                    std::size_t n) {
-  const float f0 = f[0], f1 = f[1], f2 = f[2], f3 = f[3];
+void subtract_panel(float* __restrict y, const float* const (&x)[kPanel], std::size_t n) {
   const float* __restrict x0 = x[0], * __restrict x1 = x[1], * __restrict x2 = x[2], * __restrict x3 = x[3];
-  for (std::size_t j = 0; j < n; ++j) {
-    float v = y[j];
-    v -= f0 * x0[j];
-    v -= f1 * x1[j];
-    v -= f2 * x2[j];
-    v -= f3 * x3[j];
-    y[j] = v;
+  for (; n > 0; --n, ++x0, ++x1, ++x2, ++x3) {
+    const float f0 = *x0, f1 = *x1, f2 = *x2, f3 = *x3;
+    for (std::size_t j = 0; j < n; ++j) {
+      float v = y[j];
+      v -= f0 * x0[j];
+      v -= f1 * x1[j];
+      v -= f2 * x2[j];
+      v -= f3 * x3[j];
+      y[j] = v;
+    }
+    y += n;
   }
 }
 
@@ -301,13 +304,9 @@ void NormalEquations::factorise(float damping) {
       for (std::size_t j = k + 1; j < n; ++j) row[j] *= inverse;
     }
     if (end == n) return;
-    const float* const panel[kPanel] = {factor_row(first), factor_row(first + 1), factor_row(first + 2),
-                                        factor_row(first + 3)};
-    for (std::size_t i = end; i < n; ++i) {
-      const float f[kPanel] = {panel[0][i], panel[1][i], panel[2][i], panel[3][i]};
-      const float* const from[kPanel] = {panel[0] + i, panel[1] + i, panel[2] + i, panel[3] + i};
-      subtract_panel(factor_row(i) + i, f, from, n - i);
-    }
+    const float* const panel[kPanel] = {factor_row(first) + end, factor_row(first + 1) + end,
+                                        factor_row(first + 2) + end, factor_row(first + 3) + end};
+    subtract_panel(factor_row(end) + end, panel, n - end);
   }
 }
 
