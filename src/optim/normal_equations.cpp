@@ -26,8 +26,8 @@ struct SparseRows {
 };
 
 /// g += B^T W r and, in H, h_(k, j) += (B^T W B)_(k, j) for each column k of B and all j >= k. B is spread over n columns with
-/// zeros, in x and y, which are zero before and afterwards. Rounded up to whole vectors: beyond a row's end, zeros are added to the
-/// next row.
+/// zeros, in x and y, which are zero before and afterwards. Up to the last column, rounded up to whole vectors: beyond a row's
+/// end, zeros are added to the next row.
 PLIANT_WIDE_VECTORS
 void add_spread(float* __restrict h, float* __restrict g, std::size_t n, const SparseRows& b,
                 float* __restrict x, float* __restrict y) {
@@ -36,12 +36,14 @@ void add_spread(float* __restrict h, float* __restrict g, std::size_t n, const S
     x[b.unknown[i]] = b.column[i].x;
     y[b.unknown[i]] = b.column[i].y;
   }
+  const std::size_t end = b.count > 0 ? b.unknown[b.count - 1] + kWideLanes : 0;
   for (std::size_t i = 0; i < b.count; ++i) {
-    const std::size_t k = b.unknown[i], whole = (n - k + kWideLanes - 1) / kWideLanes * kWideLanes;
+    const std::size_t k = b.unknown[i], whole = (end - k) / kWideLanes * kWideLanes;
+    PLIANT_ASSERT(i + 1 == b.count || k < b.unknown[i + 1]);
     const Vec2 c = b.column[i];
     g[k] += b.force.x * c.x + b.force.y * c.y;
     const float wx = w.xx * c.x + w.xy * c.y, wy = w.xy * c.x + w.yy * c.y;
-    float* __restrict const row = h + (k * n - k * (k + 1) / 2) + k;
+    float* __restrict const row = h + k * (2 * n + 1 - k) / 2;
     const float *const along_x = x + k, *const along_y = y + k;
     for (std::size_t j = 0; j < whole; ++j) row[j] += wx * along_x[j] + wy * along_y[j];
   }
@@ -386,7 +388,7 @@ void NormalEquations::solve(float damping, float* step) {
   for (int round = 0; round < kTuning.limit_rounds; ++round) {
     for (std::size_t i = 0; i < n; ++i) right_[i] = g_[i];
     for (std::size_t k = 0; k < n; ++k)  // the columns of pinned unknowns move to the right-hand side
-      if (pinned_[k] == Pin::at_limit)
+      if (pinned_[k] == Pin::at_limit && step[k] != 0)
         for_row(k, [&](std::size_t i, float element) { right_[i] -= element * step[k]; });
     for (std::size_t i = 0; i < n; ++i) right_[i] *= scale_[i];
     factorise(damping);
