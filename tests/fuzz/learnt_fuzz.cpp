@@ -15,6 +15,7 @@
 #include "face/aligner_table.hpp"
 #include "face/detector_table.hpp"
 #include "face/part_table.hpp"
+#include "host/io/aligned_table.hpp"
 #include "pliant/face_aligner.hpp"
 #include "pliant/face_detector.hpp"
 #include "pliant/tracker.hpp"
@@ -68,24 +69,20 @@ Learnt any_learnt(const Model& model, Random& random) {
 }
 
 /// A table of which a learnt one is changed at random places, and the checksums are right again.
-class ChangedTable {
+class ChangedTable : public host::AlignedTable {
  public:
   /// \param start  of the table that `model` has opened.
   ChangedTable(const std::vector<std::uint8_t>& original, const Model& model, const std::uint8_t* start,
                Random& random)
-      : words_((original.size() + 3) / 4), random_(random) {
-    std::memcpy(words_.data(), original.data(), original.size());
+      : AlignedTable(original), random_(random) {
     const Learnt part = any_learnt(model, random);
     const auto first = static_cast<std::size_t>(part.bytes.data - start), end = first + part.bytes.count;
     for (int k = random.below(random.below(2) == 0 ? 3 : 30); k >= 0; --k) change(first + part.header_at, end);
     seal(first + part.crc_at, end);
     seal(12, original.size());
   }
-  const void* data() const { return words_.data(); }
 
  private:
-  std::uint8_t* bytes() { return reinterpret_cast<std::uint8_t*>(words_.data()); }
-
   /// Changes something in [first, end), more often in the headers, where sizes and curves are.
   void change(std::size_t first, std::size_t end) {
     const std::size_t range = random_.below(4) == 0 ? 400 : end - first - 4;
@@ -122,7 +119,6 @@ class ChangedTable {
     std::memcpy(bytes() + crc_at, &crc, sizeof crc);
   }
 
-  std::vector<std::uint32_t> words_;
   Random& random_;
 };
 
@@ -213,9 +209,8 @@ int main(int argc, char** argv) {
   const int count = argc > 3 ? std::atoi(argv[3]) : 100;
   const int first = argc > 4 ? std::atoi(argv[4]) : 1;
   Model model;
-  std::vector<std::uint32_t> words((original.size() + 3) / 4);
-  std::memcpy(words.data(), original.data(), original.size());
-  if (frames.empty() || Model::open(words.data(), original.size(), &model) != Status::ok ||
+  const host::AlignedTable table(original);
+  if (frames.empty() || Model::open(table.data(), table.size(), &model) != Status::ok ||
       model.aligner().empty() || model.parts().empty()) {
     std::printf("no table or no film\n");
     return 1;
@@ -223,9 +218,9 @@ int main(int argc, char** argv) {
   int refused = 0;
   for (int seed = first; seed < first + count; ++seed) {
     Random random(static_cast<std::uint64_t>(seed));
-    const ChangedTable table(original, model, reinterpret_cast<const std::uint8_t*>(words.data()), random);
+    const ChangedTable other(original, model, table.span().data, random);
     Model changed;
-    const char* fault = Model::open(table.data(), original.size(), &changed) == Status::ok
+    const char* fault = Model::open(other.data(), original.size(), &changed) == Status::ok
                             ? nullptr
                             : "the table is not opened";
     DetectorTable detector;

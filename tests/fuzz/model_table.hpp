@@ -5,32 +5,23 @@
 #include <cstring>
 #include <vector>
 
+#include "host/io/aligned_table.hpp"
 #include "pliant/model.hpp"
 #include "textured_model.hpp"
 
 namespace fuzz {
 
-/// A table in aligned memory.
-class Table {
+/// A table whose bytes may be changed.
+class Table : public pliant::host::AlignedTable {
  public:
-  explicit Table(const std::vector<std::uint8_t>& bytes)
-      : words_((bytes.size() + 3) / 4), size_(bytes.size()) {
-    if (size_ > 0) std::memcpy(words_.data(), bytes.data(), size_);
-  }
-  std::uint8_t* bytes() { return reinterpret_cast<std::uint8_t*>(words_.data()); }
-  std::size_t size() const { return size_; }
-  const void* data() const { return words_.data(); }
+  using AlignedTable::AlignedTable;
   /// Makes the checksum right: it covers what follows its own place in the header.
   void seal() {
     constexpr std::size_t kAt = 12;
-    if (size_ < kAt + 4) return;
-    const std::uint32_t crc = pliant::crc32(bytes() + kAt + 4, size_ - kAt - 4);
+    if (size() < kAt + 4) return;
+    const std::uint32_t crc = pliant::crc32(bytes() + kAt + 4, size() - kAt - 4);
     std::memcpy(bytes() + kAt, &crc, sizeof crc);
   }
-
- private:
-  std::vector<std::uint32_t> words_;
-  std::size_t size_;
 };
 
 inline std::vector<std::uint8_t> small_table() {

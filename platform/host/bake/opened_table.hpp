@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/io/aligned_table.hpp"
 #include "pliant/model.hpp"
 
 namespace pliant::host::bake {
@@ -21,7 +22,7 @@ class OpenedTable {
   const Model& model() const { return model_; }
 
  private:
-  std::vector<std::uint32_t> words_;
+  AlignedTable table_;
   Model model_;
   Status status_;
 };

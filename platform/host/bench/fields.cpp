@@ -1,8 +1,8 @@
 // Positions and Jacobians a second at 1,900 surface points, from cached samples and from the tables, for several numbers of
 // active fields, and the time that a personalised identity saves. The fields are synthetic: each covers the whole chart.
 #include <cmath>
-#include <cstring>
 
+#include "host/bake/opened_table.hpp"
 #include "host/bake/table_writer.hpp"
 #include "host/bench/bench.hpp"
 #include "host/bench/random.hpp"
@@ -18,11 +18,12 @@ constexpr std::size_t kPoints = 1900;
 constexpr int kRuns = 9;
 
 /// A rest shape and `fields` vector fields of 128 x 128 samples in 16 bits. The first `identities` have identity parameters.
-struct SyntheticModel {
-  std::vector<std::uint32_t> words;
-  Model model;
+struct SyntheticModel : bake::OpenedTable {
+  SyntheticModel(int fields, int identities) : OpenedTable(table(fields, identities)) {
+    require(status(), "synthetic model");
+  }
 
-  SyntheticModel(int fields, int identities) {
+  static std::vector<std::uint8_t> table(int fields, int identities) {
     bake::TableWriter writer;
     CascadeRecord record = bake::empty_record(Operation::constant);
     record.field = writer.add_field(grid(0, 256), 16);
@@ -37,10 +38,7 @@ struct SyntheticModel {
     }
     writer.set_base_mesh({{0, 0}, {0, 1}, {1, 1}}, {2, 0, 1});
     writer.set_mask({1, 1, {1}});
-    const std::vector<std::uint8_t> bytes = writer.bytes();
-    words.resize((bytes.size() + 3) / 4);
-    std::memcpy(words.data(), bytes.data(), bytes.size());
-    require(Model::open(words.data(), bytes.size(), &model), "synthetic model");
+    return writer.bytes();
   }
 
   static bake::FieldGrid grid(int k, int side) {
@@ -191,15 +189,15 @@ void bench_fields(std::ostream& out, const ModelFile* model) {
   const BenchRows rows(out, "fields");
   for (const int fields : {12, 50, 100}) {
     const SyntheticModel synthetic(fields, 0);
-    const Setting s(synthetic.model);
-    Owned<Cascade> cascade(synthetic.model);
+    const Setting s(synthetic.model());
+    Owned<Cascade> cascade(synthetic.model());
     cached(rows, *cascade, s, fields);
     resampled(rows, *cascade, s, fields, "bilinear");
     cascade->set_interpolation(Interpolation::bicubic);
     resampled(rows, *cascade, s, fields, "bicubic");
   }
   if (model == nullptr)
-    personalising(rows, "synthetic", SyntheticModel(118, 100).model);
+    personalising(rows, "synthetic", SyntheticModel(118, 100).model());
   else
     personalising(rows, "model", model->model());
 }

@@ -2,7 +2,9 @@
 // counted by purpose.
 #include <cstdio>
 #include <memory>
+#include <optional>
 
+#include "host/bake/opened_table.hpp"
 #include "host/bake/table_writer.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/plan.hpp"
@@ -22,7 +24,7 @@ constexpr const char* kPurposeNames[kPurposeCount] = {
     "parameters", "picture pyramid",  "templates",      "corners",          "thumbnails"};
 
 /// A model table for which only the counts matter: a rest shape and one record for each parameter.
-std::vector<std::uint32_t> stand_in_table(int parameters) {
+std::vector<std::uint8_t> stand_in_table(int parameters) {
   bake::TableWriter writer;
   bake::FieldGrid grid;
   grid.width = grid.height = 3;
@@ -44,10 +46,7 @@ std::vector<std::uint32_t> stand_in_table(int parameters) {
   }
   writer.set_base_mesh({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {2, 0, 1, 0, 2, 3});
   writer.set_mask({1, 1, {1}});
-  const auto bytes = writer.bytes();
-  std::vector<std::uint32_t> words((bytes.size() + 3) / 4);
-  std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::uint8_t*>(words.data()));
-  return words;
+  return writer.bytes();
 }
 
 TrackerLimits limits_from(const Args& args) {
@@ -155,7 +154,7 @@ int run_plan(const Args& args, Console& console) {
   const double mhz = args.number("--mhz", 0, 1e-3, 1e6);
   const bool has_model = args.operand_count() > 0;
   std::unique_ptr<ModelFile> file;
-  std::vector<std::uint32_t> stand_in;
+  std::optional<bake::OpenedTable> stand_in;
   Model model;
   std::size_t table_bytes = 0;
   if (has_model) {
@@ -163,8 +162,9 @@ int run_plan(const Args& args, Console& console) {
     model = file->model();
     table_bytes = model.table_bytes();
   } else {
-    stand_in = stand_in_table(args.integer("--parameters", 60, 1, int{table::kMaxParameters}));
-    require(Model::open(stand_in.data(), stand_in.size() * 4, &model), "stand-in model");
+    stand_in.emplace(stand_in_table(args.integer("--parameters", 60, 1, int{table::kMaxParameters})));
+    require(stand_in->status(), "stand-in model");
+    model = stand_in->model();
   }
   if (!args.has(kVerticesOption.name)) limits = with_base_mesh(limits, model);
   if (!are_usable(model, limits))

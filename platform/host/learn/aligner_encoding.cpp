@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "host/io/failure.hpp"
 #include "host/io/table_checksum.hpp"
@@ -60,10 +59,8 @@ void put_global(WeightTable& table, const LearntGlobal& w, std::size_t row) {
 
 }  // namespace
 
-OpenAlignerTable::OpenAlignerTable(const std::vector<std::uint8_t>& bytes) : words_((bytes.size() + 3) / 4) {
-  std::memcpy(words_.data(), bytes.data(), bytes.size());
-  require(AlignerTable::open({reinterpret_cast<const std::uint8_t*>(words_.data()), bytes.size()}, &table_),
-          "the aligner's table");
+OpenAlignerTable::OpenAlignerTable(const std::vector<std::uint8_t>& bytes) : bytes_(bytes) {
+  require(AlignerTable::open(bytes_.span(), &table_), "the aligner's table");
 }
 
 LearntCheck blank_check(std::size_t landmarks, const AlignerStage& last) {

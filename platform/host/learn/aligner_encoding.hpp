@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "face/aligner_table.hpp"
+#include "host/io/aligned_table.hpp"
 
 namespace pliant::host::learn {
 
@@ -50,7 +51,7 @@ class OpenAlignerTable {
   const AlignerTable* operator->() const { return &table_; }
 
  private:
-  std::vector<std::uint32_t> words_;
+  AlignedTable bytes_;
   AlignerTable table_;
 };
 

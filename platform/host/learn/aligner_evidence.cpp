@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "face/box_view.hpp"
+#include "host/io/aligned_table.hpp"
 #include "host/learn/parallel.hpp"
 #include "pliant/face_detector.hpp"
 
@@ -12,12 +13,6 @@ namespace pliant::host::learn {
 namespace {
 
 constexpr int kOtherPx = 160, kSearchedPx = 200;  // sides of the pictures without faces
-
-std::vector<std::uint32_t> words_of(const std::vector<std::uint8_t>& bytes) {
-  std::vector<std::uint32_t> words((bytes.size() + 3) / 4);
-  std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::uint8_t*>(words.data()));
-  return words;
-}
 
 FaceBox moved_box(FaceBox box, SampleRandom& random) {
   box.center = box.center + (0.06f * box.side) * Vec2{random.normal(), random.normal()};
@@ -75,14 +70,12 @@ std::vector<Evidence> EvidenceCollector::of_others(const OtherPictures& others, 
 std::vector<Evidence> EvidenceCollector::of_found(const OtherPictures& others,
                                                   const std::vector<std::uint8_t>& detector,
                                                   std::size_t searches) {
-  const std::vector<std::uint32_t> words = words_of(detector);
+  const AlignedTable table(detector);
   FaceDetectorLimits limits;
   limits.width = limits.height = kSearchedPx;
   std::vector<std::unique_ptr<Owned<FaceDetector>>> detectors;
   for (int t = 0; t < cascade_.options().threads; ++t)
-    detectors.push_back(std::make_unique<Owned<FaceDetector>>(
-        Span<const std::uint8_t>{reinterpret_cast<const std::uint8_t*>(words.data()), detector.size()},
-        limits));
+    detectors.push_back(std::make_unique<Owned<FaceDetector>>(table.span(), limits));
   std::vector<std::vector<Evidence>> found(searches);
   run_parallel(cascade_.options().threads, searches, [&](std::size_t k, std::size_t thread) {
     SampleRandom random(cascade_.options().seed ^ 0xf0d, k);

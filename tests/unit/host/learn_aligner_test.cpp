@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "baked_face.hpp"
+#include "host/io/aligned_table.hpp"
 #include "host/learn/aligner_cascade.hpp"
 #include "host/learn/aligner_check.hpp"
 #include "host/learn/drawn_portraits.hpp"
@@ -69,12 +70,7 @@ std::vector<std::uint8_t> learn_table(int threads) {
 /// The learnt table, and an aligner that uses it.
 struct Learnt {
   std::vector<std::uint8_t> bytes = learn_table(2);
-  std::vector<std::uint32_t> words;
-  Span<const std::uint8_t> span;
-  Learnt() : words((bytes.size() + 3) / 4) {
-    std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::uint8_t*>(words.data()));
-    span = {reinterpret_cast<const std::uint8_t*>(words.data()), bytes.size()};
-  }
+  AlignedTable table{bytes};
 };
 const Learnt& learnt() {
   static const Learnt table;
@@ -82,7 +78,7 @@ const Learnt& learnt() {
 }
 
 struct Rig {
-  Owned<FaceAligner> aligner{baked_face().model, learnt().span};
+  Owned<FaceAligner> aligner{baked_face().model, learnt().table.span()};
   AlignedFace face;
   std::vector<float> q = baked_face().rest();
   std::vector<Vec2> landmarks = std::vector<Vec2>(baked_face().model.landmarks().count);

@@ -8,6 +8,7 @@
 
 #include "baked_face.hpp"
 #include "face/detector_table.hpp"
+#include "host/io/aligned_table.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
 #include "host/learn/drawn_portraits.hpp"
@@ -67,10 +68,8 @@ std::vector<std::uint8_t> learnt(int threads, double effort) {
 TEST_CASE("a small training finds faces of other people, and little where there are none") {
   if (kSanitized) return;
   const std::vector<std::uint8_t> bytes = learnt(2, 0.01);
-  std::vector<std::uint32_t> words((bytes.size() + 3) / 4);
-  std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::uint8_t*>(words.data()));
-  const Span<const std::uint8_t> table{reinterpret_cast<const std::uint8_t*>(words.data()), bytes.size()};
-  Owned<FaceDetector> detector(table, FaceDetectorLimits{});
+  const AlignedTable table(bytes);
+  Owned<FaceDetector> detector(table.span(), FaceDetectorLimits{});
   REQUIRE(detector->status() == Status::ok);
   CHECK(bytes.size() <= 65536);
   DetectedFace face;

@@ -4,7 +4,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "host/bake/opened_table.hpp"
 #include "host/io/image.hpp"
@@ -22,18 +21,6 @@ using namespace pliant;
 using namespace pliant::host;
 
 namespace {
-
-/// A model table in aligned memory.
-struct Table {
-  std::vector<std::uint32_t> words;
-  Model model;
-  explicit Table(const TexturedModel& source) {
-    const auto bytes = source.bytes();
-    words.resize((bytes.size() + 3) / 4);
-    std::memcpy(words.data(), bytes.data(), bytes.size());
-    REQUIRE(Model::open(words.data(), bytes.size(), &model) == Status::ok);
-  }
-};
 
 RasterVertex corner(const Projector& projector, Vec3 p, Vec2 uv) {
   RasterVertex v;
@@ -172,12 +159,12 @@ TEST_CASE("a painted spot appears at its projection, to a twentieth of a pixel")
     }
     return min(grey, 255);
   };
-  const Table table(source);
+  const bake::OpenedTable table(source.bytes());
   const Camera camera = centred_camera(320, 240, 450);
-  const std::vector<float> q(table.model.parameters().count, 0.0f);
-  Scene scene(table.model, 320, 240);
+  const std::vector<float> q(table.model().parameters().count, 0.0f);
+  Scene scene(table.model(), 320, 240);
   const Image background(320, 240, 1, 0);
-  Owned<Cascade> cascade(table.model);
+  Owned<Cascade> cascade(table.model());
   for (const Vec3 turn : {Vec3{0, 0, 0}, Vec3{0.1f, 0.35f, -0.2f}, Vec3{-0.25f, -0.3f, 0.4f}}) {
     const Pose pose{exp_rotation(turn), {7.3f, -4.1f, 480}};
     const Projector projector(view_of(pose, camera), true);
@@ -194,8 +181,8 @@ TEST_CASE("a painted spot appears at its projection, to a twentieth of a pixel")
 }
 
 TEST_CASE("holes of the mask are drawn behind lids and lips only, the outside of its boundary is not") {
-  const Table table{TexturedModel{}};
-  ChartTexture texture(table.model);
+  const bake::OpenedTable table(TexturedModel{}.bytes());
+  ChartTexture texture(table.model());
   CHECK(texture.covers({0.5f, 0.5f}));
   CHECK(texture.covers({0, 0}));
 
@@ -234,9 +221,9 @@ TEST_CASE("the light comes from the upper left, so that a bump is bright there a
     const float x = 2 * u - 1, y = 1 - 2 * v;
     return Vec3{60 * x, 60 * y, 60 * std::sqrt(max(0.0f, 1 - 0.5f * (x * x + y * y)))};
   };
-  const Table table(source);
-  const std::vector<float> q(table.model.parameters().count, 0.0f);
-  Scene scene(table.model, 200, 200);
+  const bake::OpenedTable table(source.bytes());
+  const std::vector<float> q(table.model().parameters().count, 0.0f);
+  Scene scene(table.model(), 200, 200);
   const Image image =
       scene.draw(q.data(), {{}, {0, 0, 400}}, centred_camera(200, 200, 400), Image(200, 200, 1, 0));
   CHECK(*image.at(70, 70) > *image.at(100, 100));
@@ -261,11 +248,11 @@ TEST_CASE("noise has the requested standard deviation, and depends on the seed o
 }
 
 TEST_CASE("the head in frontal pose has the requested height and is centred") {
-  const Table table{TexturedModel{}};
-  const std::vector<float> q(table.model.parameters().count, 0.0f);
+  const bake::OpenedTable table(TexturedModel{}.bytes());
+  const std::vector<float> q(table.model().parameters().count, 0.0f);
   const Camera camera = centred_camera(320, 240, 450);
-  const Pose pose = frontal_pose(table.model, q.data(), camera, 240, 0.55f);
-  Scene scene(table.model, 320, 240);
+  const Pose pose = frontal_pose(table.model(), q.data(), camera, 240, 0.55f);
+  Scene scene(table.model(), 320, 240);
   const Image image = scene.draw(q.data(), pose, camera, Image(320, 240, 1, 0));
   int first = 240, last = 0;
   for (int y = 0; y < 240; ++y)

@@ -8,6 +8,7 @@
 
 #include "host/bake/bake.hpp"
 #include "host/bake/opened_table.hpp"
+#include "host/io/aligned_table.hpp"
 #include "host/io/image.hpp"
 #include "model_builder.hpp"
 #include "print/descriptor.hpp"
@@ -370,9 +371,8 @@ TEST_CASE("the smallest and the longest frames are searched without harm, longer
 TEST_CASE("a model with a damaged print, or with a print but no albedo, is not searched for, and tracks without harm") {
   const Image picture = picture_of(posed(0.1f, 0.1f, 0, 1), kRest, 1);
   for (const bool has_albedo : {true, false}) {
-    std::vector<std::uint32_t> words((sheet_bytes().size() + 3) / 4);
-    auto* const bytes = reinterpret_cast<std::uint8_t*>(words.data());
-    std::memcpy(bytes, sheet_bytes().data(), sheet_bytes().size());
+    AlignedTable changed(sheet_bytes());
+    std::uint8_t* const bytes = changed.bytes();
     table::Header header;
     std::memcpy(&header, bytes, sizeof header);
     for (std::uint32_t k = 0; k < header.section_count; ++k) {
@@ -385,7 +385,7 @@ TEST_CASE("a model with a damaged print, or with a print but no albedo, is not s
     header.crc32 = crc32(bytes + 16, header.total_bytes - 16);
     std::memcpy(bytes, &header, sizeof header);
     Model model;
-    REQUIRE(Model::open(words.data(), header.total_bytes, &model) == Status::ok);
+    REQUIRE(Model::open(changed.data(), header.total_bytes, &model) == Status::ok);
     Film film(model);
     CHECK(film.show(picture) == (has_albedo ? Status::bad_checksum : Status::bad_table));
     FrameView view{picture.pixels.data(), kWidth, kHeight, std::size_t{kWidth}, 1, 1, 1};
