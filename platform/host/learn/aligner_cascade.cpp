@@ -84,9 +84,7 @@ void AlignerCascade::learn(const AlignerStage& shape) {
 }
 
 double AlignerCascade::choose_ridge(const std::vector<RidgeSums>& folds) const {
-  RidgeSums all;
-  all.resize(folds[0].inputs, folds[0].outputs);
-  for (const RidgeSums& f : folds) all.add(f, 1);
+  const RidgeSums all = sum_of(folds);
   double best = tuning_.ridges[0], least = 1e300;
   for (const double ridge : tuning_.ridges) {
     double error = 0;
@@ -111,15 +109,22 @@ std::vector<double> AlignerCascade::information(const std::vector<double>& momen
   return {yy / determinant, -xy / determinant, xx / determinant};
 }
 
-void AlignerCascade::learn_local(const AlignerStage& shape) {
+/// A thread's pass, at the view and the parameters that an example has now.
+AlignerPass& AlignerCascade::start_pass(std::size_t thread, const AlignerExample& example) const {
+  AlignerPass& pass = **passes_[thread];
+  pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
+  return pass;
+}
+
+/// Reads the blocks of a local stage in all examples, and the displacements of their landmarks.
+void AlignerCascade::collect_blocks(const AlignerStage& shape) {
   const std::size_t landmarks = numbers_.size(), bytes = block_bytes(shape), n = examples_.size();
   blocks_.assign(landmarks, std::vector<std::uint8_t>(n * bytes));
   wanted_.assign(landmarks, std::vector<double>(2 * n));
   gates_.assign(n, 0);
   run_parallel(options_.threads, n, [&](std::size_t e, std::size_t thread) {
-    AlignerPass& pass = **passes_[thread];
     const AlignerExample& example = examples_[e];
-    pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
+    AlignerPass& pass = start_pass(thread, example);
     pass.prepare(shape);
     gates_[e] = pass.gate();
     for (std::size_t k = 0; k < landmarks; ++k) {
@@ -130,6 +135,11 @@ void AlignerCascade::learn_local(const AlignerStage& shape) {
       wanted_[k][2 * e + 1] = static_cast<double>(d.y);
     }
   });
+}
+
+void AlignerCascade::learn_local(const AlignerStage& shape) {
+  const std::size_t landmarks = numbers_.size(), bytes = block_bytes(shape);
+  collect_blocks(shape);
   std::vector<LearntStage> learnt(stages_.size());
   for (LearntStage& s : learnt) {
     s.shape = shape;
@@ -199,9 +209,7 @@ void AlignerCascade::learn_pair(const AlignerStage& shape, std::size_t k, std::s
   std::vector<RidgeSums> folds(static_cast<std::size_t>(tuning_.folds));
   for (std::size_t f = 0; f < folds.size(); ++f) sum_pair(shape, k, other, static_cast<int>(f), &folds[f]);
   const double ridge = choose_ridge(folds);
-  RidgeSums all;
-  all.resize(folds[0].inputs, 2);
-  for (const RidgeSums& f : folds) all.add(f, 1);
+  const RidgeSums all = sum_of(folds);
   for (std::size_t f = 0; f < learnt->size(); ++f) {
     RidgeSums others = all;
     if (f < folds.size()) others.add(folds[f], -1);
@@ -246,9 +254,8 @@ void AlignerCascade::collect_grids(const AlignerStage& shape) {
   blocks_.assign(1, std::vector<std::uint8_t>(examples_.size() * bytes));
   wanted_.assign(1, std::vector<double>(outputs * examples_.size()));
   run_parallel(options_.threads, examples_.size(), [&](std::size_t e, std::size_t thread) {
-    AlignerPass& pass = **passes_[thread];
     const AlignerExample& example = examples_[e];
-    pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
+    AlignerPass& pass = start_pass(thread, example);
     pass.prepare(shape);
     std::uint8_t* to = blocks_[0].data() + e * bytes;
     for (int j = 0; j < shape.blocks; ++j)
@@ -274,9 +281,7 @@ void AlignerCascade::learn_global(const AlignerStage& shape) {
         rows.add(blocks_[0].data() + e * bytes, &wanted_[0][outputs * e], 1);
   });
   const double ridge = choose_ridge(folds);
-  RidgeSums all;
-  all.resize(bytes + 1, outputs);
-  for (const RidgeSums& f : folds) all.add(f, 1);
+  const RidgeSums all = sum_of(folds);
   std::vector<LearntStage> learnt(stages_.size());
   run_parallel(options_.threads, learnt.size(), [&](std::size_t f, std::size_t) {
     RidgeSums others = all;
@@ -337,8 +342,7 @@ void AlignerCascade::move_examples() {
   run_parallel(options_.threads, examples_.size(), [&](std::size_t e, std::size_t thread) {
     AlignerExample& example = examples_[e];
     if (example.is_refinement && shape.refines == 0) return;
-    AlignerPass& pass = **passes_[thread];
-    pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
+    AlignerPass& pass = start_pass(thread, example);
     pass.run_stage(**tables[static_cast<std::size_t>(example.fold)], 0);
     if (!pass.shape().is_usable()) return;
     example.view = pass.shape().view();
@@ -352,9 +356,8 @@ void AlignerCascade::learn_blend() {
   const std::size_t landmarks = numbers_.size(), last = stages_[0].size() - 1;
   std::vector<std::vector<double>> terms(examples_.size());
   run_parallel(options_.threads, examples_.size(), [&](std::size_t e, std::size_t thread) {
-    AlignerPass& pass = **passes_[thread];
     const AlignerExample& example = examples_[e];
-    pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
+    AlignerPass& pass = start_pass(thread, example);
     pass.weigh(**tables[static_cast<std::size_t>(example.fold)]);
     for (std::size_t k = 0; k < landmarks; ++k) {
       const Vec2 x = pass.image(k), d = pass.target(k) - x;

@@ -50,8 +50,10 @@ class AlignerCascade {
   AlignerPass& pass(std::size_t thread) { return **passes_[thread]; }
 
  private:
+  AlignerPass& start_pass(std::size_t thread, const AlignerExample& example) const;
   void learn_local(const AlignerStage& shape);
   void learn_global(const AlignerStage& shape);
+  void collect_blocks(const AlignerStage& shape);
   void collect_grids(const AlignerStage& shape);
   void learn_global_information(std::size_t bytes, std::vector<LearntStage>* learnt) const;
   void sum_pair(const AlignerStage& shape, std::size_t k, std::size_t other, int fold, RidgeSums* sums) const;

@@ -113,9 +113,7 @@ class PartCascade {
         rows.add(&bytes_[k * (inputs - 1)], y.data(), weights_[group][k]);
       }
     });
-    RidgeSums all;
-    all.resize(inputs, 2 * points.size());
-    for (const RidgeSums& f : folds) all.add(f, 1);
+    const RidgeSums all = sum_of(folds);
     keep(points, solve_ridge(all, tuning_.ridge), inputs);
     run_parallel(options_.threads, folds.size(), [&](std::size_t f, std::size_t) {
       RidgeSums others = all;

@@ -37,6 +37,13 @@ void RidgeSums::add(const RidgeSums& other, double sign) {
   weight += sign * other.weight;
 }
 
+RidgeSums sum_of(const std::vector<RidgeSums>& folds) {
+  RidgeSums all;
+  all.resize(folds[0].inputs, folds[0].outputs);
+  for (const RidgeSums& f : folds) all.add(f, 1);
+  return all;
+}
+
 template <class Number>
 void RidgeRows::add(const Number* x, const double* y, double weight) {
   const std::size_t inputs = sums_.inputs, outputs = sums_.outputs;

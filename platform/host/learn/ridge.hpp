@@ -18,6 +18,9 @@ struct RidgeSums {
   void add(const RidgeSums& other, double sign);
 };
 
+/// The sums of all folds.
+RidgeSums sum_of(const std::vector<RidgeSums>& folds);
+
 /// Collects rows and adds them to sums in blocks.
 class RidgeRows {
  public:
