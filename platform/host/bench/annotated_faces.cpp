@@ -11,18 +11,10 @@
 namespace pliant::host {
 
 std::vector<AnnotatedFace> read_held_out_faces(const std::string& folder) {
-  const std::string path = folder + "/landmarks.csv";
-  const CsvTable table(path, read_file(path));
-  const std::size_t name = table.column("name"), landmark = table.column("landmark"), x = table.column("x"),
-                    y = table.column("y");
   std::vector<AnnotatedFace> faces;
-  std::map<std::string, std::size_t> index;  // by name: a person's rows need not follow one another
-  for (std::size_t row = 0; row < table.row_count(); ++row) {
-    const std::string& person = table.cell(row, name);
-    if (!learn::is_held_out(person)) continue;
-    const auto [at, is_new] = index.try_emplace(person, faces.size());
-    if (is_new) faces.push_back({person, to_grey(read_image(folder + "/" + person + ".jpg")), {}});
-    faces[at->second].landmarks[table.cell(row, landmark)] = {table.number(row, x), table.number(row, y)};
+  for (learn::AnnotatedPicture& read : learn::read_annotated(folder, learn::Portion::held_out)) {
+    faces.push_back({std::move(read.name), std::move(read.picture), {}});
+    for (const learn::AnnotatedLandmark& l : read.landmarks) faces.back().landmarks[l.name] = l.x;
   }
   return faces;
 }

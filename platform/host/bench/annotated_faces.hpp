@@ -20,8 +20,7 @@ struct AnnotatedFace {
   NamedLandmarks landmarks;
 };
 
-/// Reads FOLDER/landmarks.csv (name,landmark,x,y) and FOLDER/NAME.jpg, in the order of the file; only those that training
-/// never uses. Bad input: no such file, or a picture that cannot be read.
+/// Reads the faces of a folder, as learn::read_annotated does, that training never uses.
 std::vector<AnnotatedFace> read_held_out_faces(const std::string& folder);
 
 /// Reads `frame,landmark,x,y`: the landmarks of each frame, from frame 0. Bad input as for CsvTable.

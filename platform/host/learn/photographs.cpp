@@ -128,14 +128,13 @@ bool fit_photograph(const Model& model, const AnnotatedPicture& annotated, Photo
   return true;
 }
 
-std::vector<Photograph> read_photographs(const Model& model, const std::string& folder, Portion portion,
-                                         int threads) {
+std::vector<AnnotatedPicture> read_annotated(const std::string& folder, Portion portion) {
   const std::string path = folder + "/landmarks.csv";
   const CsvTable table(path, read_file(path));
   const std::size_t name = table.column("name"), landmark = table.column("landmark"), x = table.column("x"),
                     y = table.column("y");
   std::vector<AnnotatedPicture> pictures;
-  std::map<std::string, std::size_t> number;
+  std::map<std::string, std::size_t> number;  // by name: a person's rows need not follow one another
   for (std::size_t row = 0; row < table.row_count(); ++row) {
     const std::string& of = table.cell(row, name);
     if (is_held_out(of) != (portion == Portion::held_out)) continue;
@@ -146,6 +145,12 @@ std::vector<Photograph> read_photographs(const Model& model, const std::string& 
   }
   for (AnnotatedPicture& picture : pictures)
     picture.picture = to_grey(read_image(folder + "/" + picture.name + ".jpg"));
+  return pictures;
+}
+
+std::vector<Photograph> read_photographs(const Model& model, const std::string& folder, Portion portion,
+                                         int threads) {
+  const std::vector<AnnotatedPicture> pictures = read_annotated(folder, portion);
   std::vector<Photograph> fitted(2 * pictures.size());
   std::vector<std::uint8_t> is_fitted(fitted.size());
   run_parallel(threads, fitted.size(), [&](std::size_t k, std::size_t) {

@@ -44,9 +44,8 @@ enum class Portion { training, held_out };
 /// Whether a photograph is held out of training: FNV-1a (32 bits) of its name without extension is a multiple of 3.
 bool is_held_out(std::string_view name);
 
-/// Reads FOLDER/landmarks.csv (columns name, landmark, x, y) and FOLDER/NAME.jpg. Each photograph is followed by its
-/// mirror image, which is fitted anew. Names in the order of the file. Bad input: no such file, or a picture that
-/// cannot be read. A photograph to which the model cannot be fitted is left out.
+/// Reads those of read_annotated and fits the model to them. Each photograph is followed by its mirror image, which is fitted
+/// anew. A photograph to which the model cannot be fitted is left out.
 std::vector<Photograph> read_photographs(const Model& model, const std::string& folder, Portion portion,
                                          int threads = 2);
 
@@ -69,6 +68,9 @@ struct AnnotatedPicture {
   Image picture;
   std::vector<AnnotatedLandmark> landmarks;
 };
+/// Reads FOLDER/landmarks.csv (columns name, landmark, x, y) and FOLDER/NAME.jpg. Names in the order of the file. Bad input: no
+/// such file, or a picture that cannot be read.
+std::vector<AnnotatedPicture> read_annotated(const std::string& folder, Portion portion);
 /// The mirror image, left and right landmarks exchanged.
 AnnotatedPicture mirror_image(const AnnotatedPicture& annotated);
 /// Fits the model. \return false: too few landmarks, or they do not determine the pose.
