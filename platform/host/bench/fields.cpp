@@ -101,14 +101,23 @@ void cached(const BenchRows& rows, Cascade& cascade, const Setting& s, int field
         median_microseconds(jacobians, kRuns));
 }
 
+/// The positions of all points, from the tables of the fields that act.
+float selected_positions(Cascade& cascade, const Setting& s) {
+  float sum = 0;
+  cascade.select(s.q.data());
+  for (const Vec2 uv : s.uv) sum += cascade.selected_point(uv).x;
+  return sum;
+}
+
+float surface_frames(Cascade& cascade, const Setting& s) {
+  float sum = 0;
+  for (const Vec2 uv : s.uv) sum += cascade.surface_frame(uv, s.q.data()).pu.x;
+  return sum;
+}
+
 void resampled(const BenchRows& rows, Cascade& cascade, const Setting& s, int fields, const char* how) {
   std::vector<Vec3> point(cascade.samples_per_point());
-  const auto positions = [&] {
-    float sum = 0;
-    cascade.select(s.q.data());
-    for (const Vec2 uv : s.uv) sum += cascade.selected_point(uv).x;
-    sink = sum;
-  };
+  const auto positions = [&] { sink = selected_positions(cascade, s); };
   const auto jacobians = [&] {
     float sum = 0;
     Jacobian j;
@@ -118,11 +127,7 @@ void resampled(const BenchRows& rows, Cascade& cascade, const Setting& s, int fi
     }
     sink = sum;
   };
-  const auto frames = [&] {
-    float sum = 0;
-    for (const Vec2 uv : s.uv) sum += cascade.surface_frame(uv, s.q.data()).pu.x;
-    sink = sum;
-  };
+  const auto frames = [&] { sink = surface_frames(cascade, s); };
   const std::string name = std::string("resampled_") + how + "_" + std::to_string(fields);
   times(rows, name, fields, median_microseconds(positions, kRuns), median_microseconds(jacobians, kRuns));
   rows(name, "us_1900_tangents", median_microseconds(frames, kRuns));
@@ -135,17 +140,8 @@ void new_points(const BenchRows& rows, const std::string& name, Cascade& cascade
     for (const Vec2 uv : s.uv) cascade.sample_point(uv, s.q.data(), point.data());
     sink = point[0].x;
   };
-  const auto frames = [&] {
-    float sum = 0;
-    for (const Vec2 uv : s.uv) sum += cascade.surface_frame(uv, s.q.data()).pu.x;
-    sink = sum;
-  };
-  const auto selected = [&] {
-    float sum = 0;
-    cascade.select(s.q.data());
-    for (const Vec2 uv : s.uv) sum += cascade.selected_point(uv).x;
-    sink = sum;
-  };
+  const auto frames = [&] { sink = surface_frames(cascade, s); };
+  const auto selected = [&] { sink = selected_positions(cascade, s); };
   const double per_point = 1.0 / static_cast<double>(kPoints);
   rows(name, "samples_a_point", static_cast<double>(cascade.sample_count()));
   rows(name, "us_sample_point", per_point * median_microseconds(samples, kRuns));

@@ -155,29 +155,42 @@ void restricted_adaptation(const BenchRows& rows, int n, int levels) {
   rows("restricted_simplify_" + v, "ns_per_weld", simplify.median() / splits);
 }
 
-void contour(const BenchRows& rows, int n, int vertices) {
-  const Grid base(n);
-  ContourOptions fine;
-  fine.mean_mm = 0.001f;
-  fine.max_mm = 0.003f;
+/// Refines a base mesh to `vertices` vertices by the contour criterion.
+void contour(const BenchRows& rows, const std::string& name, Span<const Vec2> uv,
+             Span<const std::uint16_t> corners, const Surface& surface, const ContourOptions& fine,
+             int vertices) {
   Times whole;
-  float mean = 0;
   Bench b(kLarge);
   for (int repeat = 0; repeat < 15; ++repeat) {
-    if (b.mesh.set_base(base.uv_span(), base.corner_span()) != Status::ok) std::abort();
+    require(b.mesh.set_base(uv, corners), name);
     const double t0 = now_ns();
-    if (b.adapter.start(b.mesh, {nullptr, &relief}, criterion_of(fine)) != Status::ok) std::abort();
+    require(b.adapter.start(b.mesh, surface, criterion_of(fine)), name);
     AdaptOptions options;
     options.vertex_budget = vertices;
     options.may_weld = false;
     (void)b.adapter.adapt(options);
     whole.ns.push_back(now_ns() - t0);
-    mean = compute_contour_error(b.adapter.shape(), 4).mean_mm;
   }
-  const std::string v = "contour_" + std::to_string((n + 1) * (n + 1)) + "_to_" +
+  const std::string v = name + "_" + std::to_string(b.mesh.base_vertex_count()) + "_to_" +
                         std::to_string(b.mesh.vertex_count()) + "_vertices";
   rows(v, "ms_whole", 1e-6 * whole.median());
-  rows(v, "mean_error_mm", static_cast<double>(mean));
+  rows(v, "mean_error_mm", static_cast<double>(compute_contour_error(b.adapter.shape(), 4).mean_mm));
+}
+
+void relief_contour(const BenchRows& rows, int n, int vertices) {
+  const Grid base(n);
+  ContourOptions fine;
+  fine.mean_mm = 0.001f;
+  fine.max_mm = 0.003f;
+  contour(rows, "contour", base.uv_span(), base.corner_span(), {nullptr, &relief}, fine, vertices);
+}
+
+void model_contour(const BenchRows& rows, const Model& model, int vertices) {
+  ModelSurface surface(model, std::vector<float>(model.parameters().count, 0.0f));
+  ContourOptions fine;
+  fine.mean_mm = fine.max_mm = 0;
+  fine.volume_mm3 = 1e-6f;
+  contour(rows, "model", model.base_uv(), model.base_corners(), surface.surface(), fine, vertices);
 }
 
 // The mesh update between two frames of a tracker: 64 splits and welds on a mesh at its budget, without new ranks.
@@ -218,32 +231,7 @@ void memory(const BenchRows& rows, int faces) {
   const std::string v = "memory_" + std::to_string(faces);
   rows(v, "bytes_per_triangle", static_cast<double>(measured_bytes<Mesh>(l)) / faces);
   rows(v, "bytes_per_triangle_of_positions_and_queues",
-      static_cast<double>(measured_bytes<Adapter>(l)) / faces);
-}
-
-/// Refines the base mesh of a model to `vertices` vertices by the contour criterion.
-void model_contour(const BenchRows& rows, const ModelFile& file, int vertices) {
-  const Model& model = file.model();
-  ModelSurface surface(model, std::vector<float>(model.parameters().count, 0.0f));
-  ContourOptions least;
-  least.mean_mm = least.max_mm = 0;
-  least.volume_mm3 = 1e-6f;
-  Times whole;
-  Bench b(kLarge);
-  for (int repeat = 0; repeat < 15; ++repeat) {
-    require(b.mesh.set_base(model.base_uv(), model.base_corners()), file.path());
-    const double t0 = now_ns();
-    require(b.adapter.start(b.mesh, surface.surface(), criterion_of(least)), file.path());
-    AdaptOptions options;
-    options.vertex_budget = vertices;
-    options.may_weld = false;
-    (void)b.adapter.adapt(options);
-    whole.ns.push_back(now_ns() - t0);
-  }
-  const std::string v = "model_" + std::to_string(b.mesh.base_vertex_count()) + "_to_" +
-                        std::to_string(b.mesh.vertex_count()) + "_vertices";
-  rows(v, "ms_whole", 1e-6 * whole.median());
-  rows(v, "mean_error_mm", static_cast<double>(compute_contour_error(b.adapter.shape(), 4).mean_mm));
+       static_cast<double>(measured_bytes<Adapter>(l)) / faces);
 }
 
 }  // namespace
@@ -256,8 +244,8 @@ void bench_mesh(std::ostream& out, const ModelFile* model) {
   }
   restricted_adaptation(rows, 8, 7);
   restricted_adaptation(rows, 22, 4);
-  contour(rows, 8, 1900);
-  if (model != nullptr) model_contour(rows, *model, 1900);
+  relief_contour(rows, 8, 1900);
+  if (model != nullptr) model_contour(rows, model->model(), 1900);
   budgeted_pass(rows);
   for (const int faces : {968, 3528, 10082, 16384}) memory(rows, faces);
 }
