@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "baked_face.hpp"
+#include "pliant/tracker.hpp"
 #include "renderer.hpp"
 
 struct FaceFilm {
@@ -32,6 +33,17 @@ struct FaceFilm {
   static void set(std::vector<float>& q, const char* name, float value);
   std::size_t count() const { return frames.size(); }
   pliant::FrameView view(std::size_t k) const;
+  /// Starts a tracker at frame k, with its pose and parameters. Inline: the library of this film links no tracker.
+  pliant::Status start_at_truth(pliant::Tracker& tracker, std::size_t k = 0,
+                                const pliant::TrackerOptions& options = {},
+                                pliant::Span<const pliant::Vec2> markers = {}) const {
+    return tracker.start_from_pose(view(k), camera, poses[k], parameters[k].data(), options, markers);
+  }
+  /// The same with the pose alone: the parameters are unknown.
+  pliant::Status start_at_pose(pliant::Tracker& tracker, std::size_t k = 0,
+                               const pliant::TrackerOptions& options = {}) const {
+    return tracker.start_from_pose(view(k), camera, poses[k], nullptr, options);
+  }
   /// Image position of a landmark in frame k.
   pliant::Vec2 truth(const std::string& landmark, std::size_t k) const;
   /// Angle between a pose and that of frame k, in degrees.

@@ -100,8 +100,7 @@ TEST_CASE("black frames between do not keep the lids from closing and opening la
   for (std::size_t k = 2; k < 6; ++k)
     std::fill(eyes.frames[k].begin(), eyes.frames[k].end(), std::uint8_t{0});
   host::Owned<Tracker> tracker(face().model(), TrackerLimits{});
-  REQUIRE(tracker->start_from_pose(eyes.view(0), eyes.camera, eyes.poses[0], eyes.parameters[0].data()) ==
-          Status::ok);
+  REQUIRE(eyes.start_at_truth(*tracker) == Status::ok);
   for (std::size_t k = 1; k < eyes.count(); ++k) {
     FrameResult result;
     REQUIRE(tracker->update(eyes.view(k), &result) == Status::ok);
@@ -122,8 +121,7 @@ TEST_CASE(
     "shut") {
   const FaceFilm eyes = film(1);
   host::Owned<Tracker> tracker(face().model(), TrackerLimits{});
-  REQUIRE(tracker->start_from_pose(eyes.view(0), eyes.camera, eyes.poses[0], eyes.parameters[0].data()) ==
-          Status::ok);
+  REQUIRE(eyes.start_at_truth(*tracker) == Status::ok);
   std::size_t seen = 0;
   for (std::size_t k = 1; k < eyes.count(); ++k) {
     FrameResult result;
@@ -149,8 +147,7 @@ TEST_CASE("a bad frame has no part in the gaze of the frame after it") {
   Vec3 gaze[2];
   for (const FaceFilm* film : {&eyes, &cut}) {
     host::Owned<Tracker> tracker(face().model(), TrackerLimits{});
-    REQUIRE(tracker->start_from_pose(film->view(0), film->camera, film->poses[0],
-                                     film->parameters[0].data()) == Status::ok);
+    REQUIRE(film->start_at_truth(*tracker) == Status::ok);
     FrameResult result;
     for (std::size_t k = 1; k <= kBad + 1; ++k) {
       REQUIRE(tracker->update(film->view(k), &result) == Status::ok);
@@ -170,8 +167,7 @@ TEST_CASE("eyes that leave the frame do not blink, and no gaze is told of them")
     });
     for (const Vec2 lid : track(eyes)) CHECK(max(lid.x, lid.y) < 0.2f);
     host::Owned<Tracker> tracker(face().model(), TrackerLimits{});
-    REQUIRE(tracker->start_from_pose(eyes.view(0), eyes.camera, eyes.poses[0], eyes.parameters[0].data()) ==
-            Status::ok);
+    REQUIRE(eyes.start_at_truth(*tracker) == Status::ok);
     FrameResult result;
     for (std::size_t k = 1; k < eyes.count(); ++k) {
       REQUIRE(tracker->update(eyes.view(k), &result) == Status::ok);

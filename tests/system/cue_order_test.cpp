@@ -63,8 +63,7 @@ Error track(const FaceFilm& film, unsigned cues) {
   TrackerOptions options;
   options.estimator.cues = static_cast<std::uint8_t>(cues);
   InArena<Tracker> tracker(baked_face().model, limits);
-  REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data(),
-                                   options) == Status::ok);
+  REQUIRE(film.start_at_truth(tracker.object, 0, options) == Status::ok);
   Error error;
   std::vector<float> turns;
   for (std::size_t n = 1; n <= kTracked; ++n) {

@@ -46,8 +46,7 @@ int frames_right(Tracker& tracker, const FaceFilm& film) {
 /// The same after a start at the true pose.
 int frames_right(const TrackerLimits& limits, const FaceFilm& film) {
   InArena<Tracker> tracker(baked_face().model, limits);
-  REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data()) ==
-          Status::ok);
+  REQUIRE(film.start_at_truth(tracker.object) == Status::ok);
   return frames_right(tracker.object, film);
 }
 
@@ -65,9 +64,7 @@ TEST_CASE("the bits of a film without much noise are the same with smoothing and
   const TrackerLimits limits = without_detection(TrackerLimits{});
   InArena<Tracker> smoothing(baked_face().model, limits),
       plain(baked_face().model, without_noise_smoothing(limits));
-  for (Tracker* t : {&smoothing.object, &plain.object})
-    REQUIRE(t->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data()) ==
-            Status::ok);
+  for (Tracker* t : {&smoothing.object, &plain.object}) REQUIRE(film.start_at_truth(*t) == Status::ok);
   for (std::size_t k = 1; k < kFrames; ++k) {
     FrameResult a, b;
     REQUIRE(smoothing->update(film.view(k), &a) == Status::ok);

@@ -46,8 +46,7 @@ MouthError track(const FaceFilm& film) {
   limits.curve_points = 96;
   limits.silhouette_points = 24;
   InArena<Tracker> tracker(baked_face().model, limits);
-  REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data()) ==
-          Status::ok);
+  REQUIRE(film.start_at_truth(tracker.object) == Status::ok);
   MouthError error;
   for (std::size_t k = 1; k < film.count(); ++k) {
     FrameResult result;

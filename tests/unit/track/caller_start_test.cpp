@@ -188,8 +188,7 @@ TEST_CASE("who starts from a pose without landmark offsets gets none of another 
     InArena<Tracker> tracker(baked_face().model, limits_with_fake());
     TrackerOptions options;
     options.keeps_landmark_offsets = keeps;
-    REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data(),
-                                     options) == Status::ok);
+    REQUIRE(film.start_at_truth(tracker.object, 0, options) == Status::ok);
     std::size_t k = track_and_give_up(tracker.object, film, fake);
     fake.verification = 0.99f;
     while (k < film.frames.size() && !tracker->is_started()) update(tracker.object, film, k++);

@@ -44,7 +44,7 @@ using Frames = std::vector<std::size_t>;
 class StandingTrack {
  public:
   StandingTrack() : tracker_(baked_face().model, limits_), scratch_(std::size_t{1} << 20) {
-    REQUIRE(tracker_->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+    REQUIRE(film().start_at_pose(tracker_.object) == Status::ok);
   }
 
   /// Frames for which `is_noted(checks)` holds, asked after each. \param before  is told of each, says whether it has room.
@@ -94,9 +94,7 @@ TEST_CASE("a track that was found with a covered part is degraded until a check 
     fake.least_part = least_part;
     fake.error = error;
     InArena<Tracker> tracker(baked_face().model, limits_with_fake());
-    if (!is_found)
-      REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) ==
-              Status::ok);
+    if (!is_found) REQUIRE(film().start_at_pose(tracker.object) == Status::ok);
     Seen seen;
     for (std::size_t n = is_found ? 0 : 1; n < kFrames; ++n) {
       if (n == until) fake.least_part = 0;

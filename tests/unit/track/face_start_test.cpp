@@ -109,8 +109,7 @@ TEST_CASE("markers stay with a person who is found again, and not with another o
     limits.markers = 2;
     InArena<Tracker> tracker(baked_face().model, limits);
     const Vec2 places[] = {film.truth("ibug30", 0), film.truth("ibug36", 0)};
-    REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data(), {},
-                                     {places, 2}) == Status::ok);
+    REQUIRE(film.start_at_truth(tracker.object, 0, {}, {places, 2}) == Status::ok);
     constexpr std::size_t kLast = kFrames - 2;
     for (std::size_t k = 1; k <= kLast; ++k) {
       if (k == kGone && !is_same) fake.held_error = 0.2f;
@@ -173,7 +172,7 @@ TEST_CASE("the landmark error of a start that fails is not that of the next one"
                                 start) == Status::too_few_points);
   CHECK(fake.alignments == 1);
   fake.verification = 0.3f;  // too low for a first check, which does not set the error
-  REQUIRE(tracker->start_from_pose(film.view(1), film.camera, film.poses[1], nullptr) == Status::ok);
+  REQUIRE(film.start_at_pose(tracker.object, 1) == Status::ok);
   CHECK(tracker->result().landmark_error == 0);
 }
 
@@ -227,8 +226,7 @@ TEST_CASE(
   FakeFaces fake(film);
   InArena<Tracker> tracker(baked_face().model, limits_with_fake());
   update(tracker.object, film, 0);
-  REQUIRE(tracker->start_from_pose(film.view(1), film.camera, film.poses[1], film.parameters[1].data()) ==
-          Status::ok);
+  REQUIRE(film.start_at_truth(tracker.object, 1) == Status::ok);
   for (std::size_t k = 2; k < kFrames; ++k) update(tracker.object, film, k);
   float after = 0;
   REQUIRE(tracker->parameter("noseLength", &after) == Status::ok);
@@ -293,8 +291,7 @@ TEST_CASE(
     limits.search_work = 2 * kFaceSearchTuning.cells_a_step;
     limits.key_frames = key_frames;
     InArena<Tracker> tracker(baked_face().model, limits);
-    REQUIRE(tracker->start_from_pose(half_size().view(0), half_size().camera, half_size().poses[0],
-                                     nullptr) == Status::ok);
+    REQUIRE(half_size().start_at_pose(tracker.object) == Status::ok);
     const std::vector<std::uint8_t> black(kWidth * kHeight, 0);
     std::size_t n = 1;
     for (; tracker->is_started(); ++n) {
@@ -317,8 +314,7 @@ TEST_CASE("a place where a track was and no face is any more: the search goes on
   limits.search_work = 2 * kFaceSearchTuning.cells_a_step;
   InArena<Tracker> tracker(baked_face().model, limits);
   const std::size_t begin = kGone - 2;
-  REQUIRE(tracker->start_from_pose(half_size().view(begin), half_size().camera, half_size().poses[begin],
-                                   nullptr) == Status::ok);
+  REQUIRE(half_size().start_at_pose(tracker.object, begin) == Status::ok);
   for (std::size_t k = begin + 1; k < kFrames; ++k) update(tracker.object, half_size(), k);
   CHECK(fake.searches > 0);
   CHECK(tracker->is_started());
@@ -346,8 +342,7 @@ TEST_CASE("a start of the caller's during a search ends it, and one during an al
     fake.calls_a_search = 4;
     InArena<Tracker> tracker(baked_face().model, limits);
     for (std::size_t k = 0; k < begin; ++k) CHECK(update(tracker.object, film, k).is_searching);
-    REQUIRE(tracker->start_from_pose(film.view(begin), film.camera, film.poses[begin], nullptr) ==
-            Status::ok);
+    REQUIRE(film.start_at_pose(tracker.object, begin) == Status::ok);
     CHECK(tracker->is_started());
     CHECK_FALSE(tracker->result().is_searching);
     const int steps = fake.steps;
@@ -394,8 +389,7 @@ TEST_CASE("tables that cannot be used are told by each update, and starts withou
   CHECK(tracker->update(half_size().view(0), &result) ==
         Status::bad_checksum);  // the frame has not been taken
   CHECK(result.is_searching == FrameResult{}.is_searching);
-  CHECK(tracker->start_from_pose(half_size().view(1), half_size().camera, half_size().poses[1], nullptr) ==
-        Status::ok);
+  CHECK(half_size().start_at_pose(tracker.object, 1) == Status::ok);
   CHECK(update(tracker.object, half_size(), 2).state == TrackState::tracking);
 }
 

@@ -46,7 +46,7 @@ std::size_t least_between(const std::vector<std::size_t>& frames) {
 template <class IsBlack>
 std::vector<std::size_t> steps(IsBlack&& is_black) {
   InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
-  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  REQUIRE(film().start_at_pose(tracker.object) == Status::ok);
   const std::vector<std::uint8_t> black(320 * 240, 0);
   std::vector<std::size_t> found;
   std::vector<float> before(tracker->parameters().begin(), tracker->parameters().end());
@@ -81,7 +81,7 @@ TEST_CASE(
 
 TEST_CASE("the pose of a result is that of the state, also in a frame that changes the person") {
   InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
-  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  REQUIRE(film().start_at_pose(tracker.object) == Status::ok);
   const std::uint16_t nose = baked_face().model.find_parameter("noseLength");
   float before = tracker->parameters()[nose];
   std::size_t steps = 0;
@@ -101,7 +101,7 @@ TEST_CASE("the pose of a result is that of the state, also in a frame that chang
 
 TEST_CASE("wherever a track ends, also within a step, the next one from the same start gives the same bits") {
   const auto start_and_track = [](Tracker& tracker, std::size_t frames) {
-    REQUIRE(tracker.start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+    REQUIRE(film().start_at_pose(tracker) == Status::ok);
     FrameResult result;
     for (std::size_t n = 1; n <= frames; ++n) REQUIRE(tracker.update(film().view(n), &result) == Status::ok);
     return result;
@@ -139,7 +139,7 @@ TEST_CASE("a step that bad frames delay is not soon followed by the next one: th
 
 TEST_CASE("frames that estimate the person, prepare a step or take it stay within their budget") {
   InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
-  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  REQUIRE(film().start_at_pose(tracker.object) == Status::ok);
   const WorkCosts costs = tracker->estimator().work_costs(tracker->limits().patch_window);
   const float most = most_frame_work(tracker->limits(), costs, 0);
   const float last_passes = last_passes_work(tracker->limits(), costs, 0);
@@ -161,7 +161,7 @@ namespace {
 /// The parameter at the end of the film. The truth is -1.5; a start by pose begins with 0.
 float nose_length_at_the_end(bool places_landmarks) {
   InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
-  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  REQUIRE(film().start_at_pose(tracker.object) == Status::ok);
   for (const Landmark& l : baked_face().model.landmarks()) {
     const NamedPoint point{l.name, film().truth(l.name, 0)};
     if (places_landmarks) REQUIRE(tracker->place_landmarks({&point, 1}) == Status::ok);
@@ -187,8 +187,7 @@ TEST_CASE("the smoothed pose turns with a step of the person") {
   InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
   TrackerOptions options;
   options.estimator.smooths = true;
-  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr, options) ==
-          Status::ok);
+  REQUIRE(film().start_at_pose(tracker.object, 0, options) == Status::ok);
   float before = 0;
   for (std::size_t n = 1; n < kFrames; ++n) {
     FrameResult result;

@@ -66,7 +66,7 @@ TEST_CASE("a track that began in light which hid most of the face begins anew wh
 
 TEST_CASE("light that hid the face and settles, or pulses, is over though the mean grey changes little") {
   InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
-  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  REQUIRE(film().start_at_pose(tracker.object) == Status::ok);
   Estimator& estimator = tracker->estimator();
   const auto in_light = [](float light) {
     std::vector<std::uint8_t> lit = film().frames[0];
@@ -112,7 +112,7 @@ TEST_CASE("a start that saw enough goes through every light") {
 
 TEST_CASE("poor starts: the bound itself, and a face outside of the frame") {
   InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
-  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  REQUIRE(film().start_at_pose(tracker.object) == Status::ok);
   Estimator& estimator = tracker->estimator();
   const auto few = static_cast<std::size_t>(100 * kPoorStartTuning.few_templates);
   PoorStart start;

@@ -285,8 +285,7 @@ TEST_CASE(
   }
   SUBCASE("given") {
     begin = 1;
-    REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data()) ==
-            Status::ok);
+    REQUIRE(film.start_at_truth(tracker.object) == Status::ok);
   }
   run(tracker.object, film, begin);
   float of_other = 0, of_first = 0;

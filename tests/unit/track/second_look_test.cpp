@@ -136,8 +136,7 @@ TEST_CASE("what the caller does before a new track has begun comes first") {
     REQUIRE(tracker->place_landmarks({&point, 1}) == Status::ok);
   }
   SUBCASE("it starts a track") {
-    REQUIRE(tracker->start_from_pose(f.view(begin - 1), f.camera, f.poses[begin - 1],
-                                     f.parameters[begin - 1].data()) == Status::ok);
+    REQUIRE(f.start_at_truth(tracker.object, begin - 1) == Status::ok);
     tracks = 2;
   }
   SUBCASE("it lets the tracker search") {
@@ -263,8 +262,7 @@ TEST_CASE("who tells the tracker where landmarks or markers are, or who the pers
   limits.markers = 1;
   InArena<Tracker> tracker(baked_face().model, limits);
   SUBCASE("a pose with the person") {
-    REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0],
-                                     film().parameters[0].data()) == Status::ok);
+    REQUIRE(film().start_at_truth(tracker.object) == Status::ok);
   }
   SUBCASE("many landmarks") {
     std::vector<std::string> names;

@@ -129,7 +129,7 @@ TEST_CASE("a new start has the bits of a first one: no rare work waits that the 
   const FaceFilm& film = stranger(0);
   constexpr std::size_t kCompared = 12;
   const auto track = [&](Tracker& tracker, std::size_t last) {
-    REQUIRE(tracker.start_from_pose(film.view(0), film.camera, film.poses[0], nullptr) == Status::ok);
+    REQUIRE(film.start_at_pose(tracker) == Status::ok);
     std::vector<FrameResult> results(last);
     for (std::size_t k = 0; k < last; ++k)
       REQUIRE(tracker.update(film.view(k + 1), &results[k]) == Status::ok);
@@ -166,7 +166,7 @@ TEST_CASE("a key frame that has waited too long counts the places that it may tr
   limits.key_patches = 255;
   limits.key_frames = 1;
   InArena<Tracker> tracker(baked_face().model, limits);
-  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  REQUIRE(film().start_at_pose(tracker.object) == Status::ok);
   const WorkCosts costs = tracker->estimator().work_costs(limits.patch_window);
   const float most = most_frame_work(limits, costs, 0), last_passes = last_passes_work(limits, costs, 0);
   const float overdue = key_frame_work(limits, costs, kTrackerTuning.tries_if_overdue);
@@ -193,8 +193,7 @@ TEST_CASE("the small profile tracks the same turns") {
 TEST_CASE("the region of the small profile goes with the face, and its bytes are read from the frame alone") {
   const TrackerLimits limits = profile_s();
   InArena<Tracker> tracker(baked_face().model, limits);
-  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0],
-                                   film().parameters[0].data()) == Status::ok);
+  REQUIRE(film().start_at_truth(tracker.object) == Status::ok);
   std::vector<std::uint8_t> pixels;
   int least = 1000, most = -1000;
   for (std::size_t k = 1; k < kFrames; ++k) {
@@ -236,8 +235,7 @@ TEST_CASE("the small profile: arena, the object itself and the worst stack are w
   const auto body = [](void*) -> void* {
     FrameResult result;
     entry = reinterpret_cast<const unsigned char*>(&result) + sizeof result;
-    status =
-        tracker->start_from_pose(film().view(0), film().camera, film().poses[0], film().parameters[0].data());
+    status = film().start_at_truth(tracker.object);
     for (std::size_t k = 1; k < kFrames && status == Status::ok; ++k)
       status = tracker->update(film().view(k), &result);
     return nullptr;

@@ -248,8 +248,7 @@ TEST_CASE("without the previous frame nothing is matched against it, whatever th
     const auto flow = static_cast<std::uint8_t>(1u << static_cast<unsigned>(Cue::flow));
     options.estimator.cues =
         static_cast<std::uint8_t>(with_flow ? options.estimator.cues | flow : options.estimator.cues & ~flow);
-    REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], nullptr, options) ==
-            Status::ok);
+    REQUIRE(film.start_at_pose(tracker.object, 0, options) == Status::ok);
     FrameResult result;
     for (std::size_t k = 1; k < film.count(); ++k) {
       REQUIRE(tracker->update(film.view(k), &result) == Status::ok);
@@ -273,9 +272,9 @@ TEST_CASE("a limit on the samples of a point takes less memory, and refuses star
   AlignedBlock block(1 << 22);
   Tracker tracker;
   REQUIRE(create(enough, tracker, block) == Status::ok);
-  CHECK(tracker.start_from_pose(film.view(0), film.camera, film.poses[0], nullptr) == Status::ok);
+  CHECK(film.start_at_pose(tracker) == Status::ok);
   REQUIRE(create(few, tracker, block) == Status::ok);
-  CHECK(tracker.start_from_pose(film.view(0), film.camera, film.poses[0], nullptr) == Status::capacity);
+  CHECK(film.start_at_pose(tracker) == Status::capacity);
 }
 
 }  // namespace tracker_limits_test

@@ -47,8 +47,7 @@ TrackerOptions options_with(std::uint16_t operations) {
 }
 
 Status start(Tracker& tracker, const TrackerOptions& options) {
-  return tracker.start_from_pose(film().view(0), film().camera, film().poses[0], film().parameters[0].data(),
-                                 options);
+  return film().start_at_truth(tracker, 0, options);
 }
 
 using Places = std::set<std::pair<float, float>>;

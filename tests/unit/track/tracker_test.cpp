@@ -38,8 +38,7 @@ const FaceFilm& film() {
 }
 
 Status start(Tracker& tracker, Span<const Vec2> markers = {}, TrackerOptions options = {}) {
-  return tracker.start_from_pose(film().view(0), film().camera, film().poses[0], film().parameters[0].data(),
-                                 options, markers);
+  return film().start_at_truth(tracker, 0, options, markers);
 }
 
 }  // namespace
@@ -125,9 +124,7 @@ TEST_CASE("no heap call is made from the first frame on, in a block of exactly t
   {
     const heap_trap::Armed armed;
     status = create_in(arena, tracker, face().model, limits);
-    if (status == Status::ok)
-      status = tracker.start_from_pose(film().view(0), film().camera, film().poses[0],
-                                       film().parameters[0].data());
+    if (status == Status::ok) status = film().start_at_truth(tracker);
     for (std::size_t k = 1; k < kFrames && status == Status::ok; ++k) {
       FrameResult result;
       status = tracker.update(film().view(k), &result);
