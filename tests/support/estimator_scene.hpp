@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "opened_egg.hpp"
+#include "open_model.hpp"
 #include "pliant/estimator.hpp"
 #include "random.hpp"
 

@@ -2,7 +2,7 @@
 // What tests of the fit start from.
 #include <doctest/doctest.h>
 
-#include "opened_egg.hpp"
+#include "open_model.hpp"
 #include "pliant/fit.hpp"
 #include "random.hpp"
 
@@ -11,15 +11,12 @@ namespace fit_scene {
 using namespace pliant;
 
 /// An egg with random parameters at a random pose, and its landmarks' image positions with noise.
-struct FitScene {
-  std::vector<std::uint32_t> words;
-  Model model;
+struct FitScene : OpenModel {
   std::vector<float> truth;
   View view;
   std::vector<Correspondence> points;
 
-  explicit FitScene(std::uint64_t seed, float noise_px = 0, float turn = 0.5f) : words(egg_model(6).table()) {
-    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+  explicit FitScene(std::uint64_t seed, float noise_px = 0, float turn = 0.5f) : OpenModel(egg_model(6)) {
     Random random(seed);
     for (const Parameter& p : model.parameters())
       truth.push_back(clamp(p.sd * random.normal(), p.minimum, p.maximum));

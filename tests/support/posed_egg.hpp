@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "estimate/motion_model.hpp"
-#include "opened_egg.hpp"
+#include "open_model.hpp"
 
 /// The model, its cascade with the expressions free, and a state.
 struct PosedEgg : OpenedEgg {

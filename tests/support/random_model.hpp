@@ -2,17 +2,8 @@
 // Random models: every operation, composed as a directed acyclic graph in table order, over fields of every kind.
 #include <array>
 
-#include "model_builder.hpp"
+#include "open_model.hpp"
 #include "random.hpp"
-
-/// A table opened in memory of its own.
-struct OpenModel {
-  std::vector<std::uint32_t> words;
-  pliant::Model model;
-  pliant::Status status;
-  explicit OpenModel(const ModelBuilder& b)
-      : words(b.table()), status(pliant::Model::open(words.data(), words.size() * 4, &model)) {}
-};
 
 class RandomModel {
  public:

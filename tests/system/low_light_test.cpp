@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "fake_faces.hpp"
-#include "opened_egg.hpp"
+#include "open_model.hpp"
 #include "pliant/tracker.hpp"
 #include "vision/noise_filter.hpp"
 #include "vision/noise_tuning.hpp"

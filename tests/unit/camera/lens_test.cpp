@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <limits>
 
-#include "opened_egg.hpp"
+#include "open_model.hpp"
 #include "pliant/estimator.hpp"
 #include "pliant/fit.hpp"
 #include "random.hpp"

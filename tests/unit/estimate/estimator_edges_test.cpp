@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "model_builder.hpp"
+#include "open_model.hpp"
 #include "pliant/estimator.hpp"
 #include "random.hpp"
 
@@ -43,16 +43,13 @@ ModelBuilder ellipsoid() {
   return b;
 }
 
-struct Scene {
-  std::vector<std::uint32_t> words;
-  Model model;
+struct Scene : OpenModel {
   EstimatorLimits limits;
   Camera camera = centred_camera(kWidth, kHeight, 800);
   std::vector<float> q;
   std::vector<std::uint16_t> ids;
 
-  explicit Scene(const ModelBuilder& builder) : words(builder.table()) {
-    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+  explicit Scene(const ModelBuilder& builder) : OpenModel(builder) {
     q.assign(model.parameters().count, 0);
     limits.points = 150;
     limits.vertices = 500;

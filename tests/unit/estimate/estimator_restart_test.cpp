@@ -69,9 +69,8 @@ void approach(Scene& scene, Estimator& e, const std::uint8_t* is_free, std::int6
 }  // namespace
 
 TEST_CASE("a frozen parameter has its value in every trial step, whatever the memory held") {
-  const std::vector<std::uint32_t> words = bent_sheet().table();
-  Model model;
-  REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+  const OpenModel sheet(bent_sheet());
+  const Model& model = sheet.model;
   EstimatorLimits limits;
   limits.points = 60;
   limits.vertices = 300;
@@ -191,9 +190,8 @@ TEST_CASE("a model without parameters starts without values for them, and its po
     return Vec3{100 * (u - 0.5f), 100 * (0.5f - v), -30 * u * v};
   }));
   rigid.grid_mesh(4);
-  const std::vector<std::uint32_t> words = rigid.table();
-  Model model;
-  REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+  const OpenModel sheet(rigid);
+  const Model& model = sheet.model;
   EstimatorLimits limits;
   limits.points = 60;
   limits.vertices = 300;

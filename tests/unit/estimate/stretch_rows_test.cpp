@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "open_model.hpp"
 #include "pliant/estimator.hpp"
 #include "random.hpp"
 #include "sheet_model.hpp"
@@ -17,17 +18,8 @@ using namespace sheet;
 
 namespace {
 
-struct Rig {
-  std::vector<std::uint32_t> words;
-  Model model;
-
-  explicit Rig(const ModelBuilder& m) : words(m.table()) {
-    REQUIRE(Model::open(words.data(), 4 * words.size(), &model) == Status::ok);
-  }
-};
-
 struct Rows {
-  Rig rig;
+  OpenModel rig;
   InArena<Cascade> cascade{rig.model};
   InArena<StretchRows> rows{rig.model, cascade->samples_per_point()};
 
@@ -107,7 +99,7 @@ TEST_CASE("the equations are those of springs at every number of free parameters
 TEST_CASE("a spring whose ends meet has no direction: it pulls nowhere, and the others pull on") {
   Springs springs = Springs::of_sheet();
   springs.points[1] = springs.points[0];
-  const Rig rig(sheet_model(springs.bytes()));
+  const OpenModel rig(sheet_model(springs.bytes()));
   InArena<Cascade> cascade(rig.model);
   InArena<StretchRows> rows(rig.model, cascade->samples_per_point());
   const float q[3] = {0.2f, 0.1f, 0.5f};
@@ -173,7 +165,7 @@ TEST_CASE("a damaged section is refused") {
 TEST_CASE("an estimator refuses damaged springs, and does without if its limits say so") {
   auto bytes = Springs::of_sheet().bytes();
   bytes.pop_back();
-  const Rig rig(sheet_model(bytes));
+  const OpenModel rig(sheet_model(bytes));
   const float q[3] = {};
   const Camera camera = centred_camera(320, 240, 400);
   const Pose pose{{1, 0, 0, 0}, {0, 0, 500}};
@@ -185,9 +177,9 @@ TEST_CASE("an estimator refuses damaged springs, and does without if its limits 
 }
 
 TEST_CASE("springs take a known number of bytes, and none where the table has none") {
-  const Rig with(sheet_model(Springs::of_sheet().bytes())), none(sheet_model({}));
+  const OpenModel with(sheet_model(Springs::of_sheet().bytes())), none(sheet_model({}));
   const EstimatorLimits limits;
-  const auto bytes = [](const Rig& rig, const EstimatorLimits& l) {
+  const auto bytes = [](const OpenModel& rig, const EstimatorLimits& l) {
     return measured_bytes<Estimator>(rig.model, l);
   };
   CHECK(bytes(none, limits) == bytes(none, without_stretch(limits)));
@@ -199,7 +191,7 @@ TEST_CASE("springs take a known number of bytes, and none where the table has no
 }
 
 TEST_CASE("springs count in the work of a frame, and its solves end within what it may take") {
-  const Rig rig(sheet_model(Springs::of_sheet().bytes()));
+  const OpenModel rig(sheet_model(Springs::of_sheet().bytes()));
   const float truth[3] = {0.9f, 0, 0}, start[3] = {-0.6f, 0, 0};
   const Camera camera = centred_camera(320, 240, 400);
   const Pose pose{exp_rotation({0.1f, 0.5f, 0}), {0, 0, 400}},
@@ -238,7 +230,7 @@ TEST_CASE("springs count in the work of a frame, and its solves end within what 
 
 TEST_CASE("springs find the bend of a sheet of which a few noisy points are seen") {
   // The bowl and the stretch explain the noise as well as the roll does; only springs tell that paper does neither.
-  const Rig rig(sheet_model(Springs::of_sheet().bytes()));
+  const OpenModel rig(sheet_model(Springs::of_sheet().bytes()));
   const float truth[3] = {0.9f, 0, 0}, start[3] = {0.6f, 0, 0};
   const Camera camera = centred_camera(320, 240, 400);
   const Pose pose{exp_rotation({0.1f, 0.5f, 0}), {0, 0, 400}};

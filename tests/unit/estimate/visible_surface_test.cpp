@@ -215,9 +215,8 @@ TEST_CASE("a surface of some metres is seen as a small one is") {
     b.parameter("p", Group::expression, -1, 1, 1);
     b.grid_mesh(8);
     b.landmark("p", 0.5f, 0.5f);
-    const std::vector<std::uint32_t> words = b.table();
-    Model model;
-    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+    const OpenModel built(b);
+    const Model& model = built.model;
     InArena<Cascade> cascade(model);
     InArena<VisibleSurface> surface(model.parameters().count, VisibleSurfaceLimits{300, 0, 16, {}});
     const Camera camera = centred_camera(640, 480, 500);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "opened_egg.hpp"
+#include "open_model.hpp"
 
 namespace face_shape_test {
 

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "opened_egg.hpp"
+#include "open_model.hpp"
 #include "pliant/fit.hpp"
 
 namespace fit_options_test {

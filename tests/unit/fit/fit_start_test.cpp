@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "opened_egg.hpp"
+#include "open_model.hpp"
 #include "pliant/fit.hpp"
 
 namespace fit_start_test {
@@ -48,10 +48,8 @@ TEST_CASE("no view puts a model without width or without height into a box") {
     }));
     b.grid_mesh(2);
     b.landmark("p", 0.5f, 0.5f);
-    const auto words = b.table();
-    Model model;
-    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
-    InArena<Cascade> cascade(model);
+    const OpenModel built(b);
+    InArena<Cascade> cascade(built.model);
     View view;
     const Status status =
         view_from_box(cascade.object, nullptr, {100, 80}, {150, 200}, centred_camera(640, 480, 900), &view);

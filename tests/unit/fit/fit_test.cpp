@@ -159,9 +159,8 @@ TEST_CASE("points that would fold the surface over are followed only up to the f
   }
   b.grid_mesh(8);
   b.landmark("p", 0.5f, 0.5f);
-  const auto words = b.table();
-  Model model;
-  REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+  const OpenModel sheet(b);
+  const Model& model = sheet.model;
   InArena<Cascade> cascade(model);
   InArena<FoldOverTest> test(model);
   test->start(cascade.object);

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "model_builder.hpp"
+#include "open_model.hpp"
 #include "random.hpp"
 
 namespace fold_over_guard_test {
@@ -14,7 +14,7 @@ namespace {
 
 /// A sheet of 100 x 100 mm whose points slide along u by q * 10 mm * tent(u), with q the sum of two parameters between
 /// -limit and limit: half of it folds over at q = 5.
-std::vector<std::uint32_t> sheet(float limit) {
+ModelBuilder sheet(float limit) {
   ModelBuilder b;
   b.record(Operation::constant, {}, {}, b.field(3, 17, 17, [](float u, float v) {
     return Vec3{100 * u, -100 * v, 0};
@@ -27,22 +27,15 @@ std::vector<std::uint32_t> sheet(float limit) {
   }
   b.grid_mesh(8);
   b.landmark("p", 0.5f, 0.5f);
-  return b.table();
+  return b;
 }
 
-struct Guarded {
-  std::vector<std::uint32_t> words;
-  Model model;
+struct Guarded : OpenModel {
   InArena<Cascade> cascade;
   InArena<FoldOverGuard> guard;
 
   explicit Guarded(float limit = 4, bool has_samples = false)
-      : words(sheet(limit)), model(opened(words)), cascade(model), guard(model, has_samples) {}
-  static Model opened(const std::vector<std::uint32_t>& words) {
-    Model model;
-    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
-    return model;
-  }
+      : OpenModel(sheet(limit)), cascade(model), guard(model, has_samples) {}
   void start(const float* q) { guard->start(cascade.object, q); }
 };
 

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "opened_egg.hpp"
+#include "open_model.hpp"
 #include "random.hpp"
 
 namespace silhouette_matcher_test {

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "opened_egg.hpp"
+#include "open_model.hpp"
 #include "random.hpp"
 
 namespace fold_over_test {
@@ -15,33 +15,30 @@ namespace {
 
 /// A sheet of 100 x 100 mm whose points slide along u by q * 10 mm * tent(u), a tent of slope +-2 around the middle: the
 /// second half folds when 100 - 20 q < 0 there, at q = 5. The second parameter lifts it and never folds it.
-struct Sheet {
-  std::vector<std::uint32_t> words;
-  Model model;
-  explicit Sheet(float limit) {
-    ModelBuilder b;
-    b.record(Operation::constant, {}, {}, b.field(3, 17, 17, [](float u, float v) {
-      return Vec3{100 * u, -100 * v, 0};
-    }));
-    const std::uint16_t slide = b.parameter("slide", Group::expression, -limit, limit, 1);
-    b.record(Operation::add_vector, {b.last()}, {slide}, b.field(3, 17, 17, [](float u, float) {
-      return Vec3{10 * (u < 0.5f ? 2 * u : 2 - 2 * u), 0, 0};
-    }));
-    const std::uint16_t lift = b.parameter("lift", Group::identity, -3, 3, 1);
-    b.record(Operation::add_vector, {b.last()}, {lift}, b.field(3, 17, 17, [](float u, float v) {
-      return Vec3{0, 0, 40 * u * v};
-    }));
-    b.grid_mesh(8);
-    b.landmark("p", 0.5f, 0.5f);
-    words = b.table();
-    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
-  }
-};
+ModelBuilder sheet(float limit) {
+  ModelBuilder b;
+  b.record(Operation::constant, {}, {}, b.field(3, 17, 17, [](float u, float v) {
+    return Vec3{100 * u, -100 * v, 0};
+  }));
+  const std::uint16_t slide = b.parameter("slide", Group::expression, -limit, limit, 1);
+  b.record(Operation::add_vector, {b.last()}, {slide}, b.field(3, 17, 17, [](float u, float) {
+    return Vec3{10 * (u < 0.5f ? 2 * u : 2 - 2 * u), 0, 0};
+  }));
+  const std::uint16_t lift = b.parameter("lift", Group::identity, -3, 3, 1);
+  b.record(Operation::add_vector, {b.last()}, {lift}, b.field(3, 17, 17, [](float u, float v) {
+    return Vec3{0, 0, 40 * u * v};
+  }));
+  b.grid_mesh(8);
+  b.landmark("p", 0.5f, 0.5f);
+  return b;
+}
 
-struct Tested {
+struct Tested : OpenModel {
   InArena<Cascade> cascade;
   InArena<FoldOverTest> test;
-  explicit Tested(const Model& model) : cascade(model), test(model) { test->start(cascade.object); }
+  explicit Tested(const ModelBuilder& builder) : OpenModel(builder), cascade(model), test(model) {
+    test->start(cascade.object);
+  }
   std::vector<Vec3> at(const std::vector<float>& q) {
     std::vector<Vec3> p(test->vertex_count());
     test->compute_positions(cascade.object, q.data(), p.data());
@@ -54,8 +51,7 @@ struct Tested {
 TEST_CASE(
     "a sliding sheet folds where the derivative along u changes its sign, and a step may go nine tenths of "
     "the way") {
-  const Sheet sheet(4);
-  Tested t(sheet.model);
+  Tested t(sheet(4));
   CHECK(t.test->watched_count() == 128);
   const auto rest = t.at({0, 0});
   CHECK(t.test->count_folded(rest.data()) == 0);
@@ -73,8 +69,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a step that folds a face over is never taken whole, however near its end the fold is") {
-  const Sheet sheet(4);
-  Tested t(sheet.model);
+  Tested t(sheet(4));
   Random random(7);
   for (int trial = 0; trial < 300; ++trial) {
     const float lift = random.uniform(-3, 3);
@@ -94,8 +89,7 @@ TEST_CASE("a step that folds a face over is never taken whole, however near its 
 }
 
 TEST_CASE("the normals of the surface itself say the same at every point") {
-  const Sheet sheet(4);
-  Tested t(sheet.model);
+  Tested t(sheet(4));
   const std::vector<float> rest{0, 0}, good{4.9f, 1}, bad{5.1f, 0};
   for (float u : {0.1f, 0.3f, 0.6f, 0.9f}) {
     const Vec2 uv{u, 0.4f};
@@ -106,16 +100,14 @@ TEST_CASE("the normals of the surface itself say the same at every point") {
 }
 
 TEST_CASE("faces that a parameter folds over within its own limits are not watched") {
-  const Sheet sheet(5.5f);
-  Tested t(sheet.model);
+  Tested t(sheet(5.5f));
   CHECK(t.test->watched_count() == 0);  // to -5.5 one half folds, to 5.5 the other
   CHECK(t.test->count_folded(t.at({5.4f, 0}).data()) == 0);
   CHECK(t.test->step_fraction(t.at({0, 0}).data(), t.at({20, 0}).data()) == 1);
 }
 
 TEST_CASE("measured at rest alone every face is watched") {
-  const Sheet sheet(5.5f);
-  Tested t(sheet.model);
+  Tested t(sheet(5.5f));
   t.test->start_at_rest(t.cascade.object);
   CHECK(t.test->is_started());
   CHECK(t.test->watched_count() == 128);
@@ -128,14 +120,13 @@ TEST_CASE("measured at rest alone every face is watched") {
 }
 
 TEST_CASE("random steps of a model with rotations end unfolded when what they lead to is checked again") {
-  const OpenedEgg egg(6);
-  Tested t(egg.model);
+  Tested t(egg_model(6));
   Random random(2);
   int limited = 0;
   for (int trial = 0; trial < 60; ++trial) {
-    std::vector<float> q(egg.model.parameters().count), to(q.size());
+    std::vector<float> q(t.model.parameters().count), to(q.size());
     for (std::size_t k = 0; k < q.size(); ++k) {
-      const Parameter& p = egg.model.parameters()[k];
+      const Parameter& p = t.model.parameters()[k];
       q[k] = 0.3f * random.uniform(p.minimum, p.maximum);
       to[k] = q[k] + 12 * random.uniform(p.minimum, p.maximum);  // far beyond the limits
     }
@@ -159,8 +150,7 @@ TEST_CASE("random steps of a model with rotations end unfolded when what they le
 }
 
 TEST_CASE("positions that are not numbers count as folded") {
-  const Sheet sheet(4);
-  Tested t(sheet.model);
+  Tested t(sheet(4));
   auto p = t.at({0, 0});
   p[40].x = std::numeric_limits<float>::quiet_NaN();
   CHECK(t.test->count_folded(p.data()) > 0);

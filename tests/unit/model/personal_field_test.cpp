@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "model_builder.hpp"
+#include "open_model.hpp"
 #include "pliant/field.hpp"
 #include "random.hpp"
 
@@ -15,20 +15,15 @@ using namespace pliant;
 
 namespace {
 
-struct Flat {
-  std::vector<std::uint32_t> words;
-  Model model;
-  Flat() {
-    ModelBuilder b;
-    b.record(Operation::constant, {}, {}, b.field(3, 3, 3, [](float u, float v) {
-      return Vec3{100 * u, -100 * v, 0};
-    }));
-    b.grid_mesh(2);
-    b.landmark("p", 0.5f, 0.5f);
-    words = b.table();
-    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
-  }
-};
+ModelBuilder flat_sheet() {
+  ModelBuilder b;
+  b.record(Operation::constant, {}, {}, b.field(3, 3, 3, [](float u, float v) {
+    return Vec3{100 * u, -100 * v, 0};
+  }));
+  b.grid_mesh(2);
+  b.landmark("p", 0.5f, 0.5f);
+  return b;
+}
 
 /// The flat sheet, raised by a bilinear function.
 Vec3 raised(Vec2 uv) {
@@ -37,7 +32,7 @@ Vec3 raised(Vec2 uv) {
 
 /// Fills the field with the differences of a surface to its root.
 template <class Surface>
-Status fill(PersonalField& field, const Flat& flat, const Surface& surface) {
+Status fill(PersonalField& field, const OpenModel& flat, const Surface& surface) {
   return field.fill(0, [&](std::size_t i, std::size_t j, Span<Vec3> out) {
     for (std::size_t k = 0; k < out.count; ++k) {
       const Vec2 uv = field.uv_of(i + k, j);
@@ -49,7 +44,7 @@ Status fill(PersonalField& field, const Flat& flat, const Surface& surface) {
 }  // namespace
 
 TEST_CASE("the field holds the difference to its root to the rounding of its samples, with its gradient") {
-  const Flat flat;
+  const OpenModel flat(flat_sheet());
   InArena<PersonalField> field(PersonalFieldLimits{9, 9});
   REQUIRE(field->has_room());
   REQUIRE(fill(field.object, flat, raised) == Status::ok);
@@ -63,7 +58,7 @@ TEST_CASE("the field holds the difference to its root to the rounding of its sam
 }
 
 TEST_CASE("a surface that is not finite is refused and the field stays as it was") {
-  const Flat flat;
+  const OpenModel flat(flat_sheet());
   InArena<PersonalField> field(PersonalFieldLimits{5, 5});
   REQUIRE(fill(field.object, flat, raised) == Status::ok);
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), 1e20f}) {

@@ -108,7 +108,6 @@ TEST_CASE("both interpolations agree with the definition in double, in int8 and 
   Random random(3);
   for (int trial = 0; trial < 60; ++trial) {
     const OpenModel m(RandomModel(random).run());
-    REQUIRE(m.status == Status::ok);
     for (const Field& f : m.model.fields())
       for (const Interpolation how : kBoth)
         for (int k = 0; k < 6; ++k) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "dense.hpp"
-#include "model_builder.hpp"
+#include "open_model.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/cascade.hpp"
 #include "random.hpp"
@@ -20,9 +20,7 @@ using namespace pliant;
 namespace {
 
 /// Points of the egg, in pixels, with unknown pose and parameters. Each test chooses units and number of points.
-struct EggProblem {
-  std::vector<std::uint32_t> words;
-  Model model;
+struct EggProblem : OpenModel {
   std::vector<Vec2> uv, image;
   std::vector<float> q, trial;
   View view, trial_view;
@@ -31,7 +29,7 @@ struct EggProblem {
   std::vector<Vec3> samples;
 
   EggProblem(std::size_t points, float stiffness_, std::uint64_t seed)
-      : words(egg_model(6).table()), model(open(words)), stiffness(stiffness_), cascade(model) {
+      : OpenModel(egg_model(6)), stiffness(stiffness_), cascade(model) {
     Random random(seed);
     std::vector<float> truth;
     for (const Parameter& p : model.parameters())
@@ -49,11 +47,6 @@ struct EggProblem {
     q.assign(truth.size(), 0.0f);
     trial = q;
     view = view_of({exp_rotation({0.05f, -0.12f, 0}), {0, 0, 740}}, centred_camera(640, 480, 900));
-  }
-  static Model open(const std::vector<std::uint32_t>& table) {
-    Model m;
-    REQUIRE(Model::open(table.data(), table.size() * 4, &m) == Status::ok);
-    return m;
   }
   std::size_t unknowns() const { return kPoseUnknowns + q.size(); }
   float prior(const std::vector<float>& p) const {

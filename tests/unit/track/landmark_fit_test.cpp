@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "baked_face.hpp"
+#include "open_model.hpp"
 #include "sheet_model.hpp"
 
 namespace landmark_fit_test {
@@ -14,14 +15,12 @@ namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
 
-struct Paper {
-  std::vector<std::uint32_t> words = sheet::sheet_model({}).table();
-  Model model;
+struct Paper : OpenModel {
   Camera camera = centred_camera(kWidth, kHeight, 600);
   Pose pose{exp_rotation({0.3f, 0.2f, 0.1f}), {0, 0, 250}};
   std::vector<float> q = {0.8f, 0, 0};  // rolled
 
-  Paper() { REQUIRE(Model::open(words.data(), 4 * words.size(), &model) == Status::ok); }
+  Paper() : OpenModel(sheet::sheet_model({})) {}
   Vec2 image(Vec2 uv) const {
     InArena<Cascade> cascade(model);
     Vec2 x;
