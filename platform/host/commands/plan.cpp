@@ -356,6 +356,24 @@ void add_start_loads(const Sizes& s, const TrackerLimits& limits, bool adapts, L
   loads.push_back({kPointsOfCurves, limits.keeps_previous ? 0 : s.edges, s.edges, kCost.curve_point});
 }
 
+/// What the detection of faces adds: checks and looks while there is a track, searches and starts while there is none.
+void add_detection_loads(const Model& model, const AlignerTable& table, const TrackerLimits& limits,
+                         const Sizes& sizes, Plan& plan) {
+  add_face_loads(model, table, limits, sizes, plan.loads);
+  if (limits.second_look != nullptr) {
+    add_alignment_loads(table, limits, sizes, plan.alignment_loads);
+    if (limits.keeps_previous) add_anew_loads(model, sizes, limits, plan.anew_loads);
+  }
+  plan.search = search_plan(table, limits);
+  add_search_loads(plan.search, limits.width, plan.search_loads);
+  plan.start_loads =
+      plan.search.does_both ? plan.search_loads : Loads{{"steps of alignments", 1, 1, kCost.alignment_step}};
+  plan.start_loads.push_back({"ends of alignments", 1, 1, kCost.alignment_end});
+  const double readings = kPartFitTuning.start_centrings + 1;
+  if (!model.parts().empty())
+    plan.start_loads.push_back({"readings of the parts of a face", readings, readings, kCost.parts});
+}
+
 }  // namespace
 
 double usual_instructions(const std::vector<Load>& loads) {
@@ -401,21 +419,8 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   add_overdue_load(limits, sizes, plan.loads);
   AlignerTable table;
   if (limits.detection != nullptr && !model.detector().empty() &&
-      AlignerTable::open(model.aligner(), &table) == Status::ok) {
-    add_face_loads(model, table, limits, sizes, plan.loads);
-    if (limits.second_look != nullptr) {
-      add_alignment_loads(table, limits, sizes, plan.alignment_loads);
-      if (limits.keeps_previous) add_anew_loads(model, sizes, limits, plan.anew_loads);
-    }
-    plan.search = search_plan(table, limits);
-    add_search_loads(plan.search, limits.width, plan.search_loads);
-    plan.start_loads = plan.search.does_both ? plan.search_loads
-                                             : Loads{{"steps of alignments", 1, 1, kCost.alignment_step}};
-    plan.start_loads.push_back({"ends of alignments", 1, 1, kCost.alignment_end});
-    const double readings = kPartFitTuning.start_centrings + 1;
-    if (!model.parts().empty())
-      plan.start_loads.push_back({"readings of the parts of a face", readings, readings, kCost.parts});
-  }
+      AlignerTable::open(model.aligner(), &table) == Status::ok)
+    add_detection_loads(model, table, limits, sizes, plan);
   if (limits.detection != nullptr && !model.print().empty() && plan.search.all_cells == 0) {
     PrintTable print;
     const bool is_open = PrintTable::open(model.print(), &print) == Status::ok;
