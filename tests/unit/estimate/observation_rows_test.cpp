@@ -80,7 +80,8 @@ TEST_CASE("unusable observations are marked, and make no row") {
 TEST_CASE("lengths are in standard deviations; of alternatives the nearest counts") {
   Rig rig;
   std::vector<Observation> o = {observation(1, {10, 20}), observation(2, {0, 0}, {4, 0, 0}, Cue::edge),
-                                observation(2, {8, 0}, {4, 0, 0}, Cue::edge)};
+                                observation(2, {8, 0}, {4, 0, 0}, Cue::edge),
+                                observation(3, {3, -1}, {2, 2, 2}, Cue::edge)};
   rig.gather(o);
   rig.rows->measure(0, {13, 24});
   CHECK(rig.rows->length(0) == doctest::Approx(10));  // 5 px at a deviation of 0.5 px
@@ -91,6 +92,31 @@ TEST_CASE("lengths are in standard deviations; of alternatives the nearest count
   CHECK(rig.rows->squared_px(1) == doctest::Approx(1));
   rig.rows->measure(1, {1, 50});
   CHECK(rig.rows.object[1].chosen == 0);
+  rig.rows->measure(2, {0, 0});
+  CHECK(rig.rows->squared_px(2) == doctest::Approx(2));  // across a line at 45 degrees: ((3 - 1) / sqrt 2)^2
+}
+
+TEST_CASE("one direction that weighs less than a thousandth of the other makes a line, whatever the size") {
+  Rig rig;
+  for (const float w : {0.04f, 4.0f, 400.0f}) {
+    std::vector<Observation> o = {observation(1, {0, 0}, {w, 0, 0.5e-3f * w}),
+                                  observation(2, {0, 0}, {w, 0, 2e-3f * w})};
+    rig.gather(o);
+    CHECK(rig.rows.object[0].is_line);
+    CHECK_FALSE(rig.rows.object[1].is_line);
+  }
+}
+
+TEST_CASE("the cost is half the squared distances, in deviations, over the squared scale, of points and of lines") {
+  Rig rig;
+  std::vector<Observation> o = {observation(1, {3, 4}), observation(2, {2, 7}, {4, 0, 0}, Cue::edge)};
+  rig.gather(o);
+  for (std::size_t k = 0; k < 2; ++k) rig.rows->measure(k, {0, 0});
+  const Sym2 w = rig.rows->information(1);  // with the edges' own model error
+  const double of_line = double(w.xx) * 2 * 2;
+  CHECK(rig.rows->cost(Loss::squares, 2, false) == doctest::Approx(0.5 * (10 * 10 + of_line) / 4));
+  rig.rows.object[0].is_kept = false;
+  CHECK(rig.rows->cost(Loss::squares, 2, true) == doctest::Approx(0.5 * of_line / 4));
 }
 
 TEST_CASE("the model error is added to the noise, and keeps lines lines") {
