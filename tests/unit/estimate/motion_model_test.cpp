@@ -187,6 +187,24 @@ TEST_CASE(
   CHECK(expected.mean.q[5] == jaw.maximum);
 }
 
+TEST_CASE(
+    "a free parameter has its range in the filter, a frozen one none; each is corrected by its own "
+    "variance") {
+  Run run(false);
+  const Span<const Parameter> parameters = run.egg.model.parameters();
+  for (std::size_t k = 0; k < parameters.count; ++k) {
+    const Parameter& p = parameters[k];
+    CHECK(run.motion->filter().ranges()[k] == (p.group == Group::expression ? p.maximum - p.minimum : 0));
+  }
+  const std::uint16_t bump = run.egg.model.find_parameter("bumpLeft"),
+                      jaw = run.egg.model.find_parameter("jawOpen");
+  run.variance[kPoseUnknowns + run.egg.cascade->column_of(jaw)] = 100;  // almost not seen
+  run.egg.q[bump] = run.egg.q[jaw] = 0.3f;
+  run.frame(0);
+  CHECK(run.motion->filter().parameters()[bump] > 0.2f);
+  CHECK(run.motion->filter().parameters()[jaw] < 0.05f);
+}
+
 TEST_CASE("a result that is not finite, and a lost track, end the motion: the next frame starts at rest") {
   for (const bool is_lost : {false, true}) {
     CAPTURE(is_lost);
