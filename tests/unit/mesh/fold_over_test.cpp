@@ -68,6 +68,24 @@ TEST_CASE(
   CHECK(t.test->step_fraction(t.at({6, 0}).data(), rest.data()) == 1);
 }
 
+TEST_CASE(
+    "the area of a face is of the second degree along a step: its first root limits, and without one none "
+    "does") {
+  Tested t(sheet(4));
+  const auto rest = t.at({0, 0});
+  const auto fraction_to = [&](auto place) {
+    std::vector<Vec3> to;
+    for (const Vec3& p : rest) to.push_back(place(p));
+    return t.test->step_fraction(rest.data(), to.data());
+  };
+  // (1 - 2 a) (1 - 4 a) of the area at rest.
+  CHECK(fraction_to([](Vec3 p) {
+          return Vec3{-p.x, -3 * p.y, 0};
+        }) == doctest::Approx(0.9 * 0.25).epsilon(1e-3));
+  // A turn by a right angle: (1 - a)^2 + a^2.
+  CHECK(fraction_to([](Vec3 p) { return Vec3{-p.y, p.x, 0}; }) == 1);
+}
+
 TEST_CASE("a step that folds a face over is never taken whole, however near its end the fold is") {
   Tested t(sheet(4));
   Random random(7);
