@@ -10,18 +10,6 @@
 
 namespace pliant::host::learn {
 
-namespace {
-
-constexpr int kOtherPx = 160, kSearchedPx = 200;  // sides of the pictures without faces
-
-FaceBox moved_box(FaceBox box, SampleRandom& random) {
-  box.center = box.center + (0.06f * box.side) * Vec2{random.normal(), random.normal()};
-  box.side *= std::exp(0.08f * random.normal());
-  return box;
-}
-
-}  // namespace
-
 EvidenceCollector::EvidenceCollector(AlignerCascade& cascade, const AlignerCheckTuning& tuning)
     : cascade_(cascade), tuning_(tuning) {
   for (int f = 0; f <= cascade.folds(); ++f)
@@ -55,9 +43,11 @@ std::vector<Evidence> EvidenceCollector::of_others(const OtherPictures& others, 
   run_parallel(cascade_.options().threads, count, [&](std::size_t index, std::size_t thread) {
     const std::size_t k = first + index;
     SampleRandom random(cascade_.options().seed ^ 0x07e5, k);
-    const Image picture = others.crop(kOtherPx, kOtherPx, random);
-    const float side = random.octaves_between(45, 120), room = static_cast<float>(kOtherPx);
-    const Vec2 centre{random.between(0.3f * room, 0.7f * room), random.between(0.3f * room, 0.7f * room)};
+    const Image picture = others.crop(tuning_.other_px, tuning_.other_px, random);
+    const float side = random.octaves_between(tuning_.other_least_px, tuning_.other_most_px);
+    const float low = tuning_.other_room * static_cast<float>(tuning_.other_px),
+                high = static_cast<float>(tuning_.other_px) - low;
+    const Vec2 centre{random.between(low, high), random.between(low, high)};
     Evidence evidence = align_other(picture, {centre, side}, k, thread);
     if (is_wanted(evidence)) all[index] = std::move(evidence);
   });
@@ -72,14 +62,14 @@ std::vector<Evidence> EvidenceCollector::of_found(const OtherPictures& others,
                                                   std::size_t searches) {
   const AlignedTable table(detector);
   FaceDetectorLimits limits;
-  limits.width = limits.height = kSearchedPx;
+  limits.width = limits.height = static_cast<std::uint16_t>(tuning_.searched_px);
   std::vector<std::unique_ptr<Owned<FaceDetector>>> detectors;
   for (int t = 0; t < cascade_.options().threads; ++t)
     detectors.push_back(std::make_unique<Owned<FaceDetector>>(table.span(), limits));
   std::vector<std::vector<Evidence>> found(searches);
   run_parallel(cascade_.options().threads, searches, [&](std::size_t k, std::size_t thread) {
     SampleRandom random(cascade_.options().seed ^ 0xf0d, k);
-    const Image picture = others.crop(kSearchedPx, kSearchedPx, random);
+    const Image picture = others.crop(tuning_.searched_px, tuning_.searched_px, random);
     DetectedFace room[4];
     std::size_t count = 0;
     require((*detectors[thread])->find(frame_of(picture), {room, std::size(room)}, &count),
@@ -93,14 +83,21 @@ std::vector<Evidence> EvidenceCollector::of_found(const OtherPictures& others,
   return out;
 }
 
+FaceBox EvidenceCollector::moved_box(FaceBox box, SampleRandom& random) const {
+  box.center = box.center + (tuning_.found_shift * box.side) * Vec2{random.normal(), random.normal()};
+  box.side *= std::exp(tuning_.found_log_side * random.normal());
+  return box;
+}
+
 View EvidenceCollector::moved_view(const View& view, const AlignerExample& example,
                                    SampleRandom& random) const {
   const float mm = example.eye_distance / view.s, shift = tuning_.moved_most * random.unit() * mm;
   const float a = random.between(-1, 1), b = random.between(-1, 1),
               length_ab = std::sqrt(a * a + b * b) + 1e-3f;
-  const float step[kPoseUnknowns] = {0.06f * random.normal(), 0.06f * random.normal(),
-                                     0.06f * random.normal(), 0.08f * random.normal(),
-                                     shift * a / length_ab,   shift * b / length_ab};
+  const float turn = tuning_.moved_turn_rad;
+  const float step[kPoseUnknowns] = {turn * random.normal(), turn * random.normal(),
+                                     turn * random.normal(), tuning_.moved_log_scale * random.normal(),
+                                     shift * a / length_ab,  shift * b / length_ab};
   return moved(view, step, kPoseUnknowns);
 }
 

@@ -42,6 +42,7 @@ class EvidenceCollector {
                                  std::size_t searches);
 
  private:
+  FaceBox moved_box(FaceBox box, SampleRandom& random) const;
   View moved_view(const View& view, const AlignerExample& example, SampleRandom& random) const;
   Evidence align_other(const Image& picture, const FaceBox& box, std::size_t number, std::size_t thread);
   Evidence collect(AlignerPass& pass, int fold);
