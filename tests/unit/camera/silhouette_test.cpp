@@ -24,19 +24,21 @@ struct Ellipsoid {
   std::vector<Vec3> position;
   std::vector<Vec2> image;
   std::vector<float> depth;
+  double width;
   static constexpr double kAxis[3] = {70, 90, 60};
 
-  /// \param width  radians of longitude that the chart covers, around the front.
-  explicit Ellipsoid(int cells, double width = 6.0)
-      : mesh(MeshLimits{4096, 8192, 2}), finder(std::size_t{4096}), buffer(48, 48) {
+  /// \param width_  radians of longitude that the chart covers, around the front.
+  explicit Ellipsoid(int cells, double width_ = 6.0)
+      : mesh(MeshLimits{4096, 8192, 2}), finder(std::size_t{4096}), buffer(48, 48), width(width_) {
     builder.grid_mesh(cells);
     REQUIRE(mesh->set_base({builder.vertices.data(), builder.vertices.size()},
                            {builder.corners.data(), builder.corners.size()}) == Status::ok);
-    for (Vec2 uv : builder.vertices) {
-      const double a = width * (double(uv.x) - 0.5), b = 3.0 * (0.5 - double(uv.y));
-      position.push_back({float(kAxis[0] * std::sin(a) * std::cos(b)), float(kAxis[1] * std::sin(b)),
-                          float(kAxis[2] * std::cos(a) * std::cos(b))});
-    }
+    for (Vec2 uv : builder.vertices) position.push_back(at(uv));
+  }
+  Vec3 at(Vec2 uv) const {
+    const double a = width * (double(uv.x) - 0.5), b = 3.0 * (0.5 - double(uv.y));
+    return {float(kAxis[0] * std::sin(a) * std::cos(b)), float(kAxis[1] * std::sin(b)),
+            float(kAxis[2] * std::cos(a) * std::cos(b))};
   }
   void pose(const Pose& pose) {
     view = view_of(pose, centred_camera(640, 480, 700));
@@ -130,6 +132,23 @@ TEST_CASE("outward normals leave the surface, and finer meshes are nearer to the
     }
   }
   CHECK(error[1] < 0.25 * error[0]);
+}
+
+TEST_CASE("place, image position and depth of a point are those of one point of the surface") {
+  for (const double width : {6.0, 2.4}) {
+    Ellipsoid egg(48, width);
+    egg.pose({exp_rotation({0.1f, 0.3f, 0.2f}), {20, -10, 600}});
+    const Projector projector(egg.view, true);
+    int borders = 0, contour = 0;
+    for (const SilhouettePoint& p : egg.find()) {
+      ++(p.is_border ? borders : contour);
+      Vec2 x;
+      REQUIRE(projector.project(egg.at(p.uv), &x));
+      CHECK(length(x - p.x) < 0.6f);  // chords of a mesh of 48 cells a side
+      CHECK(magnitude(projector.to_camera(egg.at(p.uv)).z - p.depth) < 0.6f);
+    }
+    CHECK((width < 3 ? borders : contour) > 60);
+  }
 }
 
 TEST_CASE("the visible boundary of an open surface is reported and flagged") {
