@@ -20,9 +20,9 @@ extern const Detection kUprightFaceDetection;
 extern const Detection kFaceDetection;
 /// The search for a printed surface and its verification, from the keypoints of its albedo. 29 kB of code on a Cortex-M7.
 extern const Detection kPrintDetection;
-/// Whichever the model has tables for: upright faces, or a print. 61 kB of code on a Cortex-M7.
+/// Whichever the model has tables for: upright faces, or a print. 62 kB of code on a Cortex-M7.
 extern const Detection kUprightDetection;
-/// The same with faces at any roll. 63 kB.
+/// The same with faces at any roll. 64 kB.
 extern const Detection kDetection;
 
 struct PersonRefinement;
