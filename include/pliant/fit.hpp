@@ -91,6 +91,9 @@ struct FitDetails {
   /// Projected minus observed position of each point, px; of a matched silhouette point the part across the silhouette.
   Vec2* residuals = nullptr;
   float* weights = nullptr;  ///< robust weight in [0,1], a point
+  /// As sd, from the points' deviations alone, as the fit weighs them: 1 - (point_sd / sd of the prior)^2 is the part of a
+  /// parameter's degree of freedom that the fit has used.
+  float* point_sd = nullptr;
 };
 
 /// Fits one model to one image at a time.

@@ -53,19 +53,19 @@ Status LandmarkFit::fit(Span<Correspondence> points, const FitOptions& options, 
   const float sd_px = kLandmarkFitTuning.point_sd_fraction * spread;
   for (Correspondence& c : points) c.sd_px = sd_px;
   if (options.is_free == nullptr && has_identity_) return fit_in_stages(points, options, q);
-  return fitter_.fit(points, options, q, &report_, {sd_, residuals_, weights_});
+  return fitter_.fit(points, options, q, &report_, {nullptr, residuals_, weights_, sd_});
 }
 
 Status LandmarkFit::fit_in_stages(Span<Correspondence> points, FitOptions options, float* q) {
   const float sd_px = points[0].sd_px;
   for (Correspondence& c : points) c.sd_px = kLandmarkFitTuning.expression_caution * sd_px;
-  Status status = fitter_.fit(points, options, q, &report_, {sd_, residuals_, weights_});
+  Status status = fitter_.fit(points, options, q, &report_, {nullptr, residuals_, weights_, sd_});
   if (status != Status::ok) return status;
   for (Correspondence& c : points) c.sd_px = sd_px;
   const Span<const Parameter> parameters = fitter_.cascade().model().parameters();
   for (std::size_t k = 0; k < parameters.count; ++k) is_identity_[k] = parameters[k].group == Group::identity;
   options.is_free = is_identity_;
-  status = fitter_.fit(points, options, q, &report_, {stage_sd_, residuals_, weights_});
+  status = fitter_.fit(points, options, q, &report_, {nullptr, residuals_, weights_, stage_sd_});
   for (std::size_t k = 0; status == Status::ok && k < parameters.count; ++k)
     if (is_identity_[k] != 0) sd_[k] = stage_sd_[k];
   return status;

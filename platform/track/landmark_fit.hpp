@@ -56,7 +56,8 @@ class LandmarkFit {
 
   /// Of the last fit.
   const FitReport& report() const { return report_; }
-  const float* sd() const { return sd_; }               ///< a parameter, of the stage that estimated it
+  /// FitDetails::point_sd of each parameter, of the stage that estimated it.
+  const float* sd() const { return sd_; }
   const Vec2* residuals() const { return residuals_; }  ///< px, a point: projected minus observed
   const float* weights() const { return weights_; }     ///< in [0,1], a point
   /// Whether the fit moved silhouette point k away from its own (u,v).

@@ -22,7 +22,7 @@ float person_fraction(float squared_px2, float coordinates, float taken, float s
 
 /// Degrees of freedom that a fit has used: those of the pose, and 1 - (sd / sd of the prior)^2 for each parameter. For
 /// linear least squares with Gaussian priors this is the trace of the hat matrix.
-/// \param sd  of each parameter after the fit; 0 if it was not fitted.
+/// \param sd  FitDetails::point_sd of each parameter; 0 if it was not fitted.
 float coordinates_taken(const Model& model, const float* sd);
 
 /// Finds where this person has the given landmarks. The points whose flag in `is_landmark` is set are moved
@@ -31,7 +31,7 @@ float coordinates_taken(const Model& model, const float* sd);
 /// \param points       of a fit: given positions, all with the same sd.
 /// \param residuals    projected minus given, px, one a point.
 /// \param is_landmark  1 if the fit used the point and did not move it along the silhouette.
-/// \param sd           of each parameter after the fit.
+/// \param sd           FitDetails::point_sd of each parameter.
 Span<Correspondence> find_offset_landmarks(const Model& model, Span<Correspondence> points,
                                            const Vec2* residuals, const std::uint8_t* is_landmark,
                                            const float* sd);

@@ -31,6 +31,8 @@ struct Fitter::State {
   int minimise(FitProblem& problem, bool has_silhouette);
   int minimise_in_stages(FitProblem& problem, bool has_silhouette, bool moves_back);
   bool match_silhouette(const FitProblem& problem);
+  const float* variances(FitProblem& problem, float information);
+  void write_deviations(const float* variance, float* sd) const;
   Status finish(FitProblem& problem, FitReport* report, const FitDetails& details);
 };
 
@@ -259,15 +261,31 @@ bool Fitter::State::match_silhouette(const FitProblem& problem) {
   return slides;
 }
 
+/// Of the unknowns. \param information  FitProblem::information. \return valid until the next call.
+const float* Fitter::State::variances(FitProblem& problem, float information) {
+  problem.information = information;
+  problem.linearise(work.equations);
+  work.equations.variances(work.step);
+  return work.step;
+}
+
+/// \param variance  of the columns. \param sd  out, of each parameter; null: not wanted.
+void Fitter::State::write_deviations(const float* variance, float* sd) const {
+  const auto parameters = work.cascade.model().parameters();
+  for (std::size_t p = 0; sd != nullptr && p < parameters.count; ++p) {
+    const std::uint16_t k = work.cascade.column_of(p);
+    const float of_fit = k == kNone ? 0.0f : variance[k];  // 0 also where nothing determines it
+    sd[p] = k == kNone ? 0.0f : of_fit > 0 ? min(square_root(of_fit), parameters[p].sd) : parameters[p].sd;
+  }
+}
+
 /// Writes standard deviations, residuals and counts of the accepted state.
 /// \return underdetermined if an unknown of the pose has no variance or fewer than kLeastFitPoints have weight; `details` is
 ///         then unchanged.
 Status Fitter::State::finish(FitProblem& problem, FitReport* report, const FitDetails& details) {
   const std::size_t pose = problem.pose_unknowns();
-  float* const variance = work.step;
-  problem.information = 1 / (problem.scale * problem.scale);  // with the model's own error
-  problem.linearise(work.equations);
-  work.equations.variances(variance);
+  // With the model's own error.
+  const float* const variance = variances(problem, 1 / (problem.scale * problem.scale));
   for (std::size_t k = 0; k < static_cast<std::size_t>(kPoseUnknowns); ++k)
     if (!(variance[k] > 0)) return Status::underdetermined;
   const Projector projector(problem.view, true);
@@ -283,14 +301,8 @@ Status Fitter::State::finish(FitProblem& problem, FitReport* report, const FitDe
   report->view = problem.view;
   report->undetermined = work.equations.undetermined_count();
   for (std::size_t k = 0; k < pose; ++k) report->pose_sd[k] = square_root(variance[k]);
-  const auto parameters = work.cascade.model().parameters();
-  for (std::size_t p = 0; details.sd != nullptr && p < parameters.count; ++p) {
-    const std::uint16_t k = work.cascade.column_of(p);
-    const float of_fit = k == kNone ? 0.0f : variance[pose + k];  // 0 also where nothing determines it
-    details.sd[p] = k == kNone   ? 0.0f
-                    : of_fit > 0 ? min(square_root(of_fit), parameters[p].sd)
-                                 : parameters[p].sd;
-  }
+  write_deviations(variance + pose, details.sd);
+  if (details.point_sd != nullptr) write_deviations(variances(problem, 1) + pose, details.point_sd);
   for (std::size_t i = 0; i < problem.points.count; ++i) {
     const Vec2 residual = problem.residual(i, projector);
     if (details.residuals != nullptr) details.residuals[i] = residual;

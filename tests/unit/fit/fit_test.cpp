@@ -89,6 +89,26 @@ TEST_CASE("errors of a noisy fit are as large as the standard deviations say, an
         (misfit_mm > 0 ? 3 : 2));  // points weigh by their own deviations: the fit is not the best one then
 }
 
+TEST_CASE("deviations of the points alone are those of a model without an error of its own") {
+  const Scene scene(5, 0, 0.4f);
+  InArena<Fitter> fitter(scene.model, limits());
+  const std::size_t n = scene.truth.size();
+  std::vector<float> exact(n), with_misfit(n), of_points(n);
+  const auto fit = [&](float misfit_mm, const FitDetails& details) {
+    std::vector<float> q(n, 0);
+    FitReport report;
+    FitOptions options = scene.options(900);
+    options.misfit_mm = misfit_mm;
+    REQUIRE(fitter->fit(scene.all(), options, q.data(), &report, details) == Status::ok);
+  };
+  fit(0, {exact.data()});
+  fit(3, {with_misfit.data(), nullptr, nullptr, of_points.data()});
+  for (std::size_t k = 0; k < n; ++k) {
+    CHECK(of_points[k] == doctest::Approx(double(exact[k])).epsilon(0.05));
+    CHECK(with_misfit[k] > of_points[k]);
+  }
+}
+
 TEST_CASE("thirty per cent of gross outliers are given no weight and hardly move the pose") {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Scene scene(seed, 0.5f, 0.4f);

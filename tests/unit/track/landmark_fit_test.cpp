@@ -6,6 +6,7 @@
 #include "baked_face.hpp"
 #include "open_model.hpp"
 #include "sheet_model.hpp"
+#include "track/offset_landmarks.hpp"
 
 namespace landmark_fit_test {
 
@@ -118,6 +119,20 @@ TEST_CASE("the landmarks of jaw and cheeks, ibug00 to ibug16, lie on the silhoue
   }
   for (const char* name : {"", "ibug", "ibug0", "ibug1", "ibug1x", "ibug0x", "ibug011", "nose_tip", "xbug03"})
     CHECK_FALSE(is_silhouette_landmark(name));
+}
+
+TEST_CASE("the degrees of freedom that a fit has used do not depend on how far the model may be off") {
+  PosedFace scene;
+  InArena<LandmarkFit> fit(scene.face.model, scene.points.size());
+  const auto taken = [&](float misfit_mm) {
+    scene.options.misfit_mm = misfit_mm;
+    auto q = scene.face.rest();
+    REQUIRE(fit->fit({scene.points.data(), scene.points.size()}, scene.options, q.data()) == Status::ok);
+    return double(coordinates_taken(scene.face.model, fit->sd()));
+  };
+  const double exact = taken(0);
+  CHECK(exact > 2 * kPoseUnknowns);
+  CHECK(taken(3) == doctest::Approx(exact).epsilon(0.02));
 }
 
 }  // namespace landmark_fit_test
