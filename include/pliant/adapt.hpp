@@ -55,7 +55,8 @@ struct AdaptOptions {
 
 /// Why an adaptation ended.
 enum class AdaptStop : std::uint8_t {
-  converged,  ///< no face that may be split is out of tolerance, and no vertex that may be welded is superfluous
+  /// No face that may be split is out of tolerance, and no vertex that may be welded is superfluous.
+  converged,
   no_room,     ///< budget or capacity is used up, and no weld is worth a split
   operations,  ///< max_operations
 };

@@ -46,8 +46,8 @@ struct FrameResult {
   /// is degraded above 0.08, with the head turned beyond 50 degrees, and after a doubtful start (docs/algorithms.md, 7.15).
   float landmark_error = 0;
   /// Of a Tracker with readers of the eyes: the common direction of both eyes relative to the head, a unit vector in the model's
-  /// axes (x to the subject's left, y up, z straight ahead). 0: not seen (lids closed, head turned by more than 40 degrees, an eye
-  /// cut off, no good track). A person's own error is constant, some degrees; beyond it about 2 to the sides, 3 up and down.
+  /// axes (x to the subject's left, y up, z straight ahead). 0: not seen (lids closed, turned by more than 40 degrees, an eye cut
+  /// off, no good track). Off by some degrees, which are a person's own and constant; and by 2 degrees to the sides, 3 up and down.
   Vec3 gaze = {};
   bool is_searching = false;  ///< of a Tracker: there is no track; the next frame is searched for the face or print
 };

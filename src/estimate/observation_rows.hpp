@@ -18,7 +18,7 @@ struct ObservationRowsTuning {
   float edge_error_mm = 1.7f;
   /// Information of a usable observation, 1/px^2, at most: that of a millionth of a pixel. Beyond, products overflow. Round value.
   float most_information = 1e12f;
-  /// Square of the distance of a usable observation from the picture's corner, px^2, at most: that of kBehind. Far beyond, squares
+  /// Square of the distance of a usable observation from the picture's corner, px^2, at most: a million px. Far beyond, squares
   /// of residuals overflow, and no step of the solve lowers an infinite cost. Round value.
   float most_distance_px2 = 1e12f;
   /// Tukey weight below which a row is an outlier. Round value, not tuned.

@@ -22,11 +22,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The table of a folder, with a base mesh as coarse as can be.
-std::vector<std::uint8_t> baked_coarsely(const ObjFolder& folder, BakeReport* report) {
+/// The table of a folder, with a base mesh as coarse as can be. \param components  of scans; 0: the folder has shapes.
+std::vector<std::uint8_t> baked_coarsely(const ObjFolder& folder, BakeReport* report, int components = 0) {
   BakeOptions options;
   options.source = folder.path.string();
   options.base_vertices = 60;
+  options.components = components;
   std::vector<std::uint8_t> table;
   std::string error;
   REQUIRE_MESSAGE(bake(options, table, error, report), error);
@@ -434,14 +435,7 @@ TEST_CASE("scans without names bake into their mean and components") {
       return curved_sheet(s, t) + a * Vec3{0, s, 0} + 0.2f * a * a * hill(s, t) * Vec3{0, 0, 1};
     });
   }
-  BakeOptions options;
-  options.source = folder.path.string();
-  options.components = 2;
-  options.base_vertices = 60;
-  std::vector<std::uint8_t> table;
-  std::string error;
-  REQUIRE_MESSAGE(host::bake::bake(options, table, error), error);
-  BakedModel baked(table);
+  BakedModel baked(baked_coarsely(folder, nullptr, 2));
   REQUIRE(baked.model.parameters().count == 2);
   CHECK(std::string(baked.model.parameters()[0].name) == "identity000");
   CHECK(baked.model.parameters()[0].sd == 1);
@@ -480,14 +474,8 @@ TEST_CASE("scans that differ in fewer ways than components are wanted: those tha
     folder.write(name, [by = static_cast<float>(name[0] - 'b')](float s, float t) {
       return curved_sheet(s, t) + Vec3{0, 0, by * s * s};
     });
-  BakeOptions options;
-  options.source = folder.path.string();
-  options.size = 16;
-  options.components = 2;
-  std::vector<std::uint8_t> table;
-  std::string error;
   host::bake::BakeReport report;
-  REQUIRE_MESSAGE(host::bake::bake(options, table, error, &report), error);
+  (void)baked_coarsely(folder, &report, 2);
   CHECK(warns(report, "the scans differ in fewer ways than 2: the parameter 'identity001' moves nothing"));
   CHECK_FALSE(warns(report, "identity000"));
 }
