@@ -454,25 +454,24 @@ def draw_film(path, kind, person, other):
     return truth
 
 
-def score(track, truth, names):
-    """Frames: shown, tracked and right, tracked and wrong; and the errors of the right ones, %."""
+def score(rows, truth, names):
+    """Of the rows of a track, frames: shown, tracked and right, tracked and wrong; and the errors of the right ones, %."""
     shown = right = wrong = 0
     errors = []
-    with open(track) as lines:
-        for row, points in zip(csv.DictReader(lines), truth):
-            tracking = row['state'] == 'tracking'
-            error, inside = 100.0, False
-            if not numpy.isnan(points[0, 0]):
-                inside = (points >= 0).all() and (points < (WIDTH, HEIGHT)).all()
-                shown += inside
-                if tracking:
-                    found = numpy.array([(float(row['x_' + n]), float(row['y_' + n])) for n in names])
-                    eyes = numpy.hypot(*(points[names.index('ibug36')] - points[names.index('ibug45')]))
-                    error = 100 * float(numpy.hypot(*(found - points).T).mean()) / max(eyes, 1)
-            if tracking and error < 10:
-                right += inside
-                errors.append(error)
-            wrong += tracking and error >= 10
+    for points, row in zip(truth, rows):
+        tracking = row['state'] == 'tracking'
+        error, inside = 100.0, False
+        if not numpy.isnan(points[0, 0]):
+            inside = (points >= 0).all() and (points < (WIDTH, HEIGHT)).all()
+            shown += inside
+            if tracking:
+                found = numpy.array([(float(row['x_' + n]), float(row['y_' + n])) for n in names])
+                eyes = numpy.hypot(*(points[names.index('ibug36')] - points[names.index('ibug45')]))
+                error = 100 * float(numpy.hypot(*(found - points).T).mean()) / max(eyes, 1)
+        if tracking and error < 10:
+            right += inside
+            errors.append(error)
+        wrong += tracking and error >= 10
     return shown, right, wrong, errors
 
 
@@ -482,7 +481,8 @@ def run(pliant, face, kind, person, other, folder, options):
         numpy.save(kept, draw_film(film, kind, person, other))
     subprocess.run([pliant, 'track', face, '--frames', film, '--landmarks', '--out', track] + options, check=True,
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    return score(track, numpy.load(kept), person.portrait.names)
+    with open(track) as lines:
+        return score(csv.DictReader(lines), numpy.load(kept), person.portrait.names)
 
 
 def run_person(pliant, face, kinds, person, other, keep, options):
