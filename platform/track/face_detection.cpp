@@ -92,7 +92,7 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
   self.landmark_error = 0;       // a start before may have failed
   self.person.is_known = false;  // also if this one does: it overwrites what is known
   self.marker_count = 0;
-  self.face_search.forget_reference();
+  self.face_search.forget();
   if (rough.points >= kFaceSearchTuning.enough_points) return;
   self.face_search.refine({view, t.block.bytes, rough.options}, rough.box, &person_of(t), from,
                           &self.landmark_error);

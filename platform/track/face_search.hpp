@@ -93,8 +93,11 @@ class FaceSearch {
     set_person(face, person, start);
   }
 
-  /// A start of the caller's begins: it may be of another person.
-  void forget_reference() { reference_.forget(); }
+  /// A start of the caller's begins: it may be of another person, elsewhere, at another roll.
+  void forget() {
+    reference_.forget();
+    expect({}, {});
+  }
   /// Moves a start of the caller's to where the picture shows the face, if that is verified; else nothing changes. The
   /// person's parameters are input and output.
   /// \param box  of the face, if the start is known roughly; null: it is near.

@@ -157,8 +157,9 @@ TEST_CASE("boxes of all conventions, of one face, give about the same pose, with
   }
 }
 
-TEST_CASE("after a track a face is expected at its turn, until the caller asks for a search") {
-  const FaceFilm film(
+/// A turned face that is gone from frame 20 on: its track is given up before frame 30.
+FaceFilm film_of_turned_face() {
+  return FaceFilm(
       320, 240, 40,
       [](float s, Pose& pose, auto&) {
         const auto k = static_cast<std::size_t>(s * 39 + 0.5f);
@@ -166,6 +167,10 @@ TEST_CASE("after a track a face is expected at its turn, until the caller asks f
         if (k >= 20) pose.t.x = 50 * pose.t.z;
       },
       0.5f);
+}
+
+TEST_CASE("after a track a face is expected at its turn, until the caller asks for a search") {
+  const FaceFilm film = film_of_turned_face();
   FakeFaces fake(film);
   InArena<Tracker> tracker(baked_face().model, limits_with_fake());
   for (std::size_t k = 0; k < 30; ++k) update(tracker.object, film, k);
@@ -174,6 +179,31 @@ TEST_CASE("after a track a face is expected at its turn, until the caller asks f
   REQUIRE(tracker->start_by_detection() == Status::ok);
   update(tracker.object, film, 30);
   CHECK(fake.expected.z == 0);
+}
+
+TEST_CASE("a start that fails forgets the turn and the place of the track before") {
+  const FaceFilm film = film_of_turned_face();
+  const std::vector<NamedPoint> one_spot(kFaceSearchTuning.enough_points, {"ibug30", {150, 100}});
+  for (const bool from_box : {true, false}) {
+    CAPTURE(from_box);
+    FakeFaces fake(film);
+    TrackerLimits limits = limits_with_fake();
+    limits.search_work = kFaceSearchTuning.cells_for_both - 1;  // a search that begins at the place
+    fake.calls_a_search = 2;
+    InArena<Tracker> tracker(baked_face().model, limits);
+    std::size_t k = 0;
+    do update(tracker.object, film, k++);
+    while (k < 20 || tracker->is_started());
+    REQUIRE(k <= 30);
+    const Status failed = from_box ? tracker->start_from_box(film.view(k), {-500, -500}, {60, 60})
+                                   : tracker->start_from_landmarks(film.view(k), {one_spot.data(), one_spot.size()});
+    REQUIRE(failed != Status::ok);
+    REQUIRE_FALSE(tracker->is_started());
+    fake.searches = 0;
+    update(tracker.object, film, k + 1);
+    CHECK(fake.expected.z == 0);
+    CHECK(fake.searches == 1);
+  }
 }
 
 TEST_CASE("who starts from a pose without landmark offsets gets none of another person who is found") {
