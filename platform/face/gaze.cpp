@@ -41,9 +41,11 @@ Vec3 find_gaze(Span<const SeenEye> eyes, const View& view) {
   return normalised(Vec3{dot(sum, x), dot(sum, y), dot(sum, z)});
 }
 
-Vec3 smoothed_gaze(Vec3 gaze, Vec3 seen) {
+// A low pass of first order, as of a step of that time: it follows about as fast at any frame rate.
+Vec3 smoothed_gaze(Vec3 gaze, Vec3 seen, std::uint32_t time_ns) {
   const bool is_known = dot(gaze, gaze) > 0 && dot(seen, seen) > 0;
-  return is_known ? normalised(gaze + kTuning.rate * (seen - gaze)) : seen;
+  const float t = static_cast<float>(time_ns), rate = t / (t + static_cast<float>(kTuning.half_way_ns));
+  return is_known ? normalised(gaze + rate * (seen - gaze)) : seen;
 }
 
 }  // namespace pliant

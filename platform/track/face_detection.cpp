@@ -156,9 +156,12 @@ void read_parts(TrackerParts& t, const FrameView& view) {
   PartPoints& points = *self.parts;
   if (t.progress.bad_frames > 0) points.gaze = {};  // what a bad frame showed there may be no eyes
   if (PartFit* const fit = read_at_view(t, view, kPartFitTuning.centring); fit != nullptr) {
-    fit->fit(1e-9f * static_cast<float>(time_to_change(self.last_read_ns, view.time_ns)), &points);
+    const std::uint32_t time_ns = time_to_change(self.last_read_ns, view.time_ns);
+    fit->fit(1e-9f * static_cast<float>(time_ns), &points);
+    const bool stands_still = view.time_ns == self.last_read_ns;
+    points.gaze =
+        smoothed_gaze(points.gaze, fit->gaze(points), stands_still ? kGazeTuning.half_way_ns : time_ns);
     self.last_read_ns = view.time_ns;
-    points.gaze = smoothed_gaze(points.gaze, fit->gaze(points));
   }
   for (std::size_t k = 0; k < points.parameter_count; ++k)
     if (points.sd[k] > 0) t.estimator.expect(points.parameter[k], points.last[k], points.sd[k]);

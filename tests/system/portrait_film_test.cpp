@@ -108,6 +108,26 @@ Image stretched_down(const Image& grey, float aspect) {
   return out;
 }
 
+/// With eyes that look another way: inside an eye the picture moves by up to 0.06 of the eyes' distance.
+Image looking_aside(const Image& grey, const NamedLandmarks& at) {
+  Image out = grey;
+  const float most = 0.06f * static_cast<float>(eye_distance(at)), radius = 2 * most;
+  const Vec2 eyes[] = {0.5f * (at.at("ibug36") + at.at("ibug39")),
+                       0.5f * (at.at("ibug42") + at.at("ibug45"))};
+  for (const Vec2 middle : eyes)
+    for (int y = static_cast<int>(middle.y - radius); y <= static_cast<int>(middle.y + radius); ++y)
+      for (int x = static_cast<int>(middle.x - 2 * radius); x <= static_cast<int>(middle.x + 2 * radius);
+           ++x) {
+        const float u = (static_cast<float>(x) - middle.x) / (2 * radius),
+                    v = (static_cast<float>(y) - middle.y) / radius;
+        const float from = static_cast<float>(x) - most * std::max(0.0f, 1 - u * u - v * v);
+        const int j = static_cast<int>(from);
+        const float b = from - static_cast<float>(j);
+        *out.at(x, y) = static_cast<std::uint8_t>((1 - b) * *grey.at(j, y) + b * *grey.at(j + 1, y) + 0.5f);
+      }
+  return out;
+}
+
 /// What is tracked while the exposure hunts by 1.8 stops each way in 35 frames.
 struct Exposed {
   int tracked = 0;
@@ -221,6 +241,33 @@ TEST_CASE("pixels that are not square are told by the camera, and change neither
     CHECK(std::abs(found.blink - plain.blink) < 0.15f);
     CHECK(length(found.gaze - plain.gaze) < 0.1f);
   }
+}
+
+TEST_CASE("eyes that look another way are followed in about the same time at any frame rate") {
+  const auto [picture, truth] = close_up();
+  const Image aside = looking_aside(picture, truth);
+  // How far the gaze goes in the first 40 ms.
+  const auto followed = [&, &ahead = picture](int frames_a_second, std::int64_t most_ns) {
+    InArena<Tracker> tracker(face().model(), limits_for(ahead, {}));
+    const int turn = frames_a_second, last = turn + frames_a_second / 25;
+    FrameResult result;
+    Vec3 before;
+    for (int k = 0; k < last; ++k) {
+      FrameView frame = frame_of(k < turn ? ahead : aside, static_cast<std::size_t>(k));
+      frame.time_ns = std::min(k * std::int64_t{1'000'000'000} / frames_a_second, most_ns);
+      if (k == turn) before = result.gaze;
+      REQUIRE(tracker->update(frame, &result) == Status::ok);
+    }
+    return length(result.gaze - before);
+  };
+  constexpr std::int64_t kForEver = 1'000'000'000'000;
+  const float usual = followed(25, kForEver);
+  CHECK(usual > 0.2f);
+  for (const int rate : {50, 100}) {
+    CAPTURE(rate);
+    CHECK(std::abs(followed(rate, kForEver) - usual) < 0.25f * usual);
+  }
+  CHECK(std::abs(followed(25, 0) - usual) < 0.05f * usual);  // a clock that stands still
 }
 
 }  // namespace portrait_film_test

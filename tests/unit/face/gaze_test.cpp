@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cstdint>
 #include <initializer_list>
 #include <limits>
 
@@ -97,14 +98,28 @@ TEST_CASE("no gaze from heads that are turned away, pupils off the eye, no eyes,
 
 TEST_CASE("the gaze follows in a few frames, begins at once, and ends at once") {
   const Vec3 ahead{0, 0, 1}, aside = normalised(Vec3{0.5f, 0, 1});
-  Vec3 gaze = smoothed_gaze({}, ahead);
+  constexpr std::uint32_t kFrame = kGazeTuning.half_way_ns;
+  Vec3 gaze = smoothed_gaze({}, ahead, kFrame);
   CHECK(length(gaze - ahead) == 0);
-  gaze = smoothed_gaze(gaze, aside);
-  CHECK(length(gaze - aside) > 0.2f * length(ahead - aside));
-  for (int k = 0; k < 4; ++k) gaze = smoothed_gaze(gaze, aside);
+  gaze = smoothed_gaze(gaze, aside, kFrame);
+  CHECK(length(gaze - normalised(ahead + aside)) < 1e-6f);
+  for (int k = 0; k < 4; ++k) gaze = smoothed_gaze(gaze, aside, kFrame);
   CHECK(length(gaze - aside) < 0.03f);
   CHECK(length(gaze) == doctest::Approx(1));
-  CHECK(length(smoothed_gaze(gaze, {})) == 0);
+  CHECK(length(smoothed_gaze(gaze, {}, kFrame)) == 0);
+}
+
+TEST_CASE("the gaze follows in about the same time at any frame rate") {
+  const Vec3 ahead{0, 0, 1}, aside = normalised(Vec3{0.2f, 0, 1});
+  for (const int rate : {10, 15, 25, 30, 50, 60, 100}) {
+    CAPTURE(rate);
+    Vec3 gaze = ahead;
+    for (int k = 0; k < rate / 5; ++k)
+      gaze = smoothed_gaze(gaze, aside, static_cast<std::uint32_t>(1'000'000'000 / rate));
+    const float rest = length(gaze - aside) / length(ahead - aside);  // after 0.2 s
+    CHECK(rest > 0.01f);
+    CHECK(rest < 0.09f);
+  }
 }
 
 }  // namespace gaze_test
