@@ -32,10 +32,10 @@ struct FaceDetectorLimits {
   std::uint16_t hits = 192;
 };
 
-/// Finds upright faces by a window that slides over the frame at many sizes, and boosted trees over gradient cells
-/// (docs/algorithms.md, section 7.12), from a learnt table. Boxes have sides from `smallest_px` to 1.2 times the frame's smaller
-/// side, and may reach a quarter of their side beyond its border. Lives in an arena (create_in, measured_bytes): 32 kB for
-/// a frame 320 px wide or more.
+/// Finds upright faces, in frames whose pixels are about square, by a window that slides over the frame at many sizes, and boosted
+/// trees over gradient cells (docs/algorithms.md, section 7.12), from a learnt table. Boxes have sides from `smallest_px` to 1.2
+/// times the frame's smaller side, and may reach a quarter of their side beyond its border. Lives in an arena (create_in,
+/// measured_bytes): 32 kB for a frame 320 px wide or more.
 class FaceDetector {
  public:
   FaceDetector() = default;

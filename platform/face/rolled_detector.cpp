@@ -5,13 +5,14 @@
 namespace pliant {
 
 void RolledDetector::lay_out(Arena& arena, const Span<const std::uint8_t>& table,
-                             const FaceDetectorLimits& limits, const Quat& expected) {
+                             const FaceDetectorLimits& limits, const Quat& expected, float aspect) {
   FaceDetectorLimits of_turned = limits;
   of_turned.width = of_turned.height =
       static_cast<std::uint16_t>(larger(int{limits.width}, int{limits.height}));
   FaceDetector::lay_out(arena, table, of_turned);
   picture_.lay_out(arena, limits.width, limits.height);
   expected_ = turn_of(expected);
+  aspect_ = max(aspect, 1 / aspect) > kTuning.least_unlike ? aspect : 1;
 }
 
 /// Of the search that begins. Small turns, then quarters, come first.
@@ -24,13 +25,13 @@ int RolledDetector::next_turn() {
 }
 
 const FrameView& RolledDetector::turned(const FrameView& frame, int turn) {
-  if (turn == 0 || frame.width < 2 || frame.height < 2) return frame;
-  picture_.draw(frame, turn);
+  if (!draws(turn) || frame.width < 2 || frame.height < 2) return frame;
+  picture_.draw(frame, turn, aspect_);
   return picture_.view();
 }
 
 void RolledDetector::to_frame(int turn, Span<DetectedFace> faces) const {
-  if (turn == 0) return;
+  if (!draws(turn)) return;
   for (DetectedFace& face : faces) {
     face.box = picture_.to_frame(face.box);
     face.roll = roll_of_turn(turn);
@@ -56,7 +57,7 @@ Status RolledDetector::search(const FrameView& frame, std::uint32_t work, Span<D
 Status RolledDetector::search_near(const FrameView& frame, const FaceBox& box, DetectedFace* face) {
   const int turn = face->score > 0 ? turn_of(exp_rotation({0, 0, face->roll})) : expected_;
   const FrameView& view = turned(frame, turn);
-  const Status status = FaceDetector::search_near(view, turn == 0 ? box : picture_.from_frame(box), face);
+  const Status status = FaceDetector::search_near(view, draws(turn) ? picture_.from_frame(box) : box, face);
   if (status == Status::ok) to_frame(turn, {face, 1});
   return status;
 }

@@ -42,45 +42,57 @@ void TurnedPicture::lay_out(Arena& arena, int width, int height) {
   pixels_ = arena.take<std::uint8_t>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
 }
 
-void TurnedPicture::draw(const FrameView& frame, int eighths) {
+void TurnedPicture::draw(const FrameView& frame, int eighths, float aspect) {
   PLIANT_ASSERT(eighths >= 0 && eighths < kTurnsOfPicture && frame.width >= 2 && frame.height >= 2);
+  PLIANT_ASSERT(aspect >= 0.5f && aspect <= 2);
   frame_middle_ = middle_of(frame);
+  scale_ = {max(1 / aspect, 1), max(aspect, 1)};
+  const int width = static_cast<int>(static_cast<float>(frame.width) / scale_.x),
+            height = static_cast<int>(static_cast<float>(frame.height) / scale_.y);
   view_ = frame;
   view_.data = pixels_;
   view_.pixel_step_bytes = 1;
-  const TurnedSize size = turned_size(frame.width, frame.height, eighths);
+  const TurnedSize size = turned_size(width, height, eighths);
   view_.width = size.width;
   view_.height = size.height;
   view_.stride_bytes = static_cast<std::size_t>(size.width);
   // Turned by 45 degrees a frame fills a square whose side is (width + height) / sqrt(2).
   const std::int32_t unit =
-      eighths % 2 == 0 ? kUnit : ((frame.width + frame.height) * (kUnit / 2) + size.width - 1) / size.width;
+      eighths % 2 == 0 ? kUnit : ((width + height) * (kUnit / 2) + size.width - 1) / size.width;
   static constexpr std::int8_t kSigns[kTurnsOfPicture] = {1, 1, 0, -1, -1, -1, 0, 1};  // of the cosine
   right_x_ = kSigns[eighths] * unit;
   right_y_ = kSigns[(eighths + 6) % kTurnsOfPicture] * unit;
   for (int y = 0; y < view_.height; ++y) draw_line(frame, y);
 }
 
-/// Places in the frame, in 1/kUnit px, are within +-2^30: it has at most 2^13 px a side, and the picture reaches half as far
-/// beyond.
+/// Places in the frame, in 1/kUnit px, are within +-2^31: it has at most 2^13 px a side, and the picture, whose pixels are up to
+/// two of the frame's wide or high, reaches as far beyond.
 void TurnedPicture::draw_line(const FrameView& frame, int y) {
   const std::int32_t last_x = (frame.width - 1) * kUnit - 1, last_y = (frame.height - 1) * kUnit - 1;
   const int across = 1 - view_.width, down = 2 * y + 1 - view_.height;  // from the middle, in half pixels
-  std::int32_t u = (frame.width - 1) * (kUnit / 2) + across * (right_x_ / 2) - down * (right_y_ / 2);
-  std::int32_t v = (frame.height - 1) * (kUnit / 2) + across * (right_y_ / 2) + down * (right_x_ / 2);
+  const auto scaled = [](float by, std::int32_t x) {
+    return static_cast<std::int32_t>(by * static_cast<float>(x));
+  };
+  const std::int32_t right_u = scaled(scale_.x, right_x_), right_v = scaled(scale_.y, right_y_);
+  const std::int32_t up_u = scaled(scale_.x, right_y_), down_v = scaled(scale_.y, right_x_);
+  std::int32_t u = (frame.width - 1) * (kUnit / 2) + across * (right_u / 2) - down * (up_u / 2);
+  std::int32_t v = (frame.height - 1) * (kUnit / 2) + across * (right_v / 2) + down * (down_v / 2);
   std::uint8_t* const out = pixels_ + static_cast<std::size_t>(y) * view_.stride_bytes;
-  for (int x = 0; x < view_.width; ++x, u += right_x_, v += right_y_)
+  for (int x = 0; x < view_.width; ++x, u += right_u, v += right_v)
     out[x] = grey_at(frame, within(u, 0, last_x), within(v, 0, last_y));
 }
 
 FaceBox TurnedPicture::to_frame(const FaceBox& box) const {
   const Vec2 r = right(), d = box.center - middle_of(view_);
-  return {frame_middle_ + Vec2{d.x * r.x - d.y * r.y, d.x * r.y + d.y * r.x}, length(r) * box.side};
+  const Vec2 x{scale_.x * (d.x * r.x - d.y * r.y), scale_.y * (d.x * r.y + d.y * r.x)};
+  return {frame_middle_ + x, scale_.x * length(r) * box.side};
 }
 
 FaceBox TurnedPicture::from_frame(const FaceBox& box) const {
-  const Vec2 r = right(), d = (1 / dot(r, r)) * (box.center - frame_middle_);
-  return {middle_of(view_) + Vec2{d.x * r.x + d.y * r.y, d.y * r.x - d.x * r.y}, box.side / length(r)};
+  const Vec2 r = right(), x = box.center - frame_middle_,
+             d = (1 / dot(r, r)) * Vec2{x.x / scale_.x, x.y / scale_.y};
+  return {middle_of(view_) + Vec2{d.x * r.x + d.y * r.y, d.y * r.x - d.x * r.y},
+          box.side / (scale_.x * length(r))};
 }
 
 }  // namespace pliant

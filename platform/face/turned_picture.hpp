@@ -35,15 +35,17 @@ TurnedSize turned_size(int width, int height, int eighths);
 
 /// A frame, turned about its middle, in as many pixels as the frame has or a few less: a quarter of a turn swaps width and height;
 /// an odd number of eighths gives a square, reduced so that it shows the whole frame. What is outside the frame repeats its border.
-/// Pixels are interpolated linearly, in integers: the same on every target.
+/// Pixels are interpolated linearly, in integers: the same on every target. Those of the picture are square. Where the frame's are
+/// not, the side in which it has more of them is reduced first.
 class TurnedPicture {
  public:
   /// Bytes: width times height of the largest frame.
   void lay_out(Arena& arena, int width, int height);
 
   /// Draws a frame. \param eighths  0 to 7: faces are upright that are turned clockwise by so many eighths of a turn.
+  /// \param aspect  as Camera::aspect, 0.5 to 2.
   /// \pre The frame is readable, has at most as many pixels as the layout's, and at most 8192 a side.
-  void draw(const FrameView& frame, int eighths);
+  void draw(const FrameView& frame, int eighths, float aspect = 1);
   /// The picture last drawn, with time and number of its frame.
   const FrameView& view() const { return view_; }
 
@@ -55,7 +57,7 @@ class TurnedPicture {
  private:
   static constexpr int kUnit = 65536;
   void draw_line(const FrameView& frame, int y);
-  /// One pixel to the right in the picture, px of the frame; one down is (-y, x) of that.
+  /// One pixel to the right in the picture, in square pixels (scale_); one down is (-y, x) of that.
   Vec2 right() const {
     return (1.0f / kUnit) * Vec2{static_cast<float>(right_x_), static_cast<float>(right_y_)};
   }
@@ -65,7 +67,7 @@ class TurnedPicture {
 
   std::uint8_t* pixels_ = nullptr;
   FrameView view_;
-  Vec2 frame_middle_;
+  Vec2 frame_middle_, scale_{1, 1};             // px of the frame; the second is a square pixel
   std::int32_t right_x_ = kUnit, right_y_ = 0;  // right(), in 1/kUnit px
 };
 

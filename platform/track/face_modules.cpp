@@ -11,7 +11,7 @@ bool is_available(const Model& model) {
 }
 
 FaceDetector* lay_out_detector(Arena& arena, const Model& model, const FaceDetectorLimits& limits,
-                               const Quat&) {
+                               const Quat&, float) {
   return create_part<FaceDetector>(arena, model.detector(), limits);
 }
 
@@ -68,8 +68,8 @@ const FaceModules kFaceModules{is_available, lay_out_detector, lay_out_aligner, 
 namespace {
 
 FaceDetector* lay_out_rolled(Arena& arena, const Model& model, const FaceDetectorLimits& limits,
-                             const Quat& expected) {
-  return create_part<RolledDetector>(arena, model.detector(), limits, expected);
+                             const Quat& expected, float aspect) {
+  return create_part<RolledDetector>(arena, model.detector(), limits, expected, aspect);
 }
 
 Status search_rolled(FaceDetector& detector, const FrameView& frame, std::uint32_t work,

@@ -17,9 +17,9 @@ struct FaceModules {
   /// Whether the model has the learnt tables, usable or not.
   bool (*is_available)(const Model& model);
   /// Takes a detector or an aligner from the arena. \return null if the arena measures or is exhausted.
-  /// \param expected  rotation of the face that the search is for, if known.
+  /// \param expected  rotation of the face that the search is for, if known. \param aspect  as Camera::aspect.
   FaceDetector* (*lay_out_detector)(Arena& arena, const Model& model, const FaceDetectorLimits& limits,
-                                    const Quat& expected);
+                                    const Quat& expected, float aspect);
   FaceAligner* (*lay_out_aligner)(Arena& arena, const Model& model);
   FaceAligner* (*lay_out_verifier)(Arena& arena, const Model& model);  ///< for `verify` only
   /// What the two say of their tables.

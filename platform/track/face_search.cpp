@@ -42,9 +42,11 @@ void FaceSearch::lay_out(Arena& arena, const Model& model, const TrackerLimits& 
     is_expression_[k] = model.parameters()[k].group == Group::expression;
 }
 
-Status FaceSearch::lay_out_search(Span<unsigned char> block) {
-  Arena arena(block.data, block.count);
-  detector_ = modules_->lay_out_detector(arena, model_, limits_, last_rotation_);
+Status FaceSearch::lay_out_search(const SearchInput& input) {
+  Arena arena(input.block.data, input.block.count);
+  const Camera* const camera = input.options.camera;
+  detector_ = modules_->lay_out_detector(arena, model_, limits_, last_rotation_,
+                                         camera == nullptr ? 1 : camera->aspect);
   is_complete_ = true;
   aligner_ = modules_->lay_out_aligner(arena, model_);
   PLIANT_ASSERT(detector_ != nullptr && aligner_ != nullptr);  // search_bytes
@@ -74,7 +76,7 @@ void FaceSearch::begin() {
 
 Status FaceSearch::search(const SearchInput& input, KnownPerson* person, StartPose* start,
                           float* landmark_error) {
-  Status status = detector_ == nullptr ? lay_out_search(input.block) : Status::ok;
+  Status status = detector_ == nullptr ? lay_out_search(input) : Status::ok;
   const bool was_searching = !is_aligning_;
   if (status == Status::ok && was_searching) status = run_detector(input.frame);
   if (status != Status::ok) return status;
@@ -228,7 +230,7 @@ void FaceSearch::refine(const SearchInput& input, const FaceBox* box, KnownPerso
                         float* landmark_error) {
   begin();
   whom_ = Whom::another;
-  if (lay_out_search(input.block) != Status::ok) return;
+  if (lay_out_search(input) != Status::ok) return;
   copy(person->q, model_.parameters().count, q_);
   AlignedFace face;
   const Status status = box != nullptr ? align_near(*box, input.frame, start->camera, &face)
@@ -247,7 +249,7 @@ void FaceSearch::end() {
 std::size_t search_bytes(const Model& model, const TrackerLimits& limits) {
   const FaceModules& modules = *limits.detection->modules;
   Arena trial;
-  modules.lay_out_detector(trial, model, detector_limits(limits), {});
+  modules.lay_out_detector(trial, model, detector_limits(limits), {}, 1);
   modules.lay_out_aligner(trial, model);
   return trial.used_bytes();
 }

@@ -86,7 +86,9 @@ class FaceSearch {
   AlignmentRoom room() { return {q_, landmarks_}; }
   AlignOptions of_known_person() const { return {is_expression_}; }
   /// Whether that alignment, which was one without a known identity, is of another person than the reference.
-  bool is_another(const AlignedFace& face) const { return reference_.tells() && !reference_.may_be(face, q_); }
+  bool is_another(const AlignedFace& face) const {
+    return reference_.tells() && !reference_.may_be(face, q_);
+  }
   /// The person and the start of that alignment, as of somebody new.
   void set_new_person(const AlignedFace& face, KnownPerson* person, StartPose* start) {
     whom_ = Whom::another;
@@ -109,7 +111,7 @@ class FaceSearch {
   enum class Whom : std::uint8_t { known, anybody, another };  // as whom a candidate is aligned
 
   void begin_again();
-  Status lay_out_search(Span<unsigned char> block);
+  Status lay_out_search(const SearchInput& input);
   Status run_detector(const FrameView& frame);
   Answer align(const SearchInput& input, int* steps, KnownPerson* person, StartPose* start,
                float* landmark_error);

@@ -84,7 +84,7 @@ Part* take(Arena& arena, std::size_t bytes) {
 }
 
 inline FaceDetector* lay_out_detector(Arena& arena, const Model&, const FaceDetectorLimits&,
-                                      const Quat& expected) {
+                                      const Quat& expected, float) {
   if (FakeFaces::current() != nullptr) fake().expected = expected;  // null: the arena measures
   return take<FaceDetector>(arena, FakeFaces::kDetectorBytes);
 }

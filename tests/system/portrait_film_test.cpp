@@ -7,6 +7,7 @@
 
 #include "host/bench/annotated_faces.hpp"
 #include "host/bench/still_film.hpp"
+#include "host/commands/face_finder.hpp"
 #include "host/io/files.hpp"
 #include "host/io/points_file.hpp"
 #include "model_builder.hpp"
@@ -226,6 +227,7 @@ TEST_CASE("pixels that are not square are told by the camera, and change neither
     FrameResult result;
     for (std::size_t k = 0; k < 3; ++k)
       REQUIRE(tracker->update(frame_of(stretched, k), &result) == Status::ok);
+    CHECK(FaceFinder(face()).find(stretched, "picture", kLeastFaceScore, camera).size() == 1);
     NamedLandmarks seen = landmarks_of(tracker.object);
     for (auto& [name, x] : seen) x.y = (x.y + 0.5f) / aspect - 0.5f;
     Found found{landmark_error(seen, annotated), 0, result.gaze};
@@ -233,7 +235,7 @@ TEST_CASE("pixels that are not square are told by the camera, and change neither
     return found;
   };
   const Found plain = found_at(1);
-  for (const float aspect : {0.75f, 1.25f, 1.6f}) {
+  for (const float aspect : {0.5f, 0.75f, 1.25f, 2.0f}) {
     CAPTURE(aspect);
     const Found found = found_at(aspect);
     MESSAGE("landmark error " << found.error << ", with square pixels " << plain.error);

@@ -78,7 +78,7 @@ std::vector<FoundFace> FaceFinder::find(const Image& grey, const std::string& na
   limits.width = static_cast<std::uint16_t>(grey.width);
   limits.height = static_cast<std::uint16_t>(grey.height);
   limits.hits = static_cast<std::uint16_t>(kWindowsAFace * kMaxDetections);
-  Owned<RolledDetector> detector(file_.model().detector(), limits, Quat{});
+  Owned<RolledDetector> detector(file_.model().detector(), limits, Quat{}, camera ? camera->aspect : 1.0f);
   require(detector->status(), file_.path() + ": detector");
   std::vector<FoundFace> faces;
   for (int turn = 0; turn < kTurnsOfPicture && faces.empty(); ++turn) {

@@ -24,10 +24,10 @@ struct Rig {
   AlignedBlock block;
   RolledDetector detector;
 
-  explicit Rig(const Quat& expected = {})
-      : block(measured_bytes<RolledDetector>(table.span(), limits(), expected)) {
+  explicit Rig(const Quat& expected = {}, float aspect = 1)
+      : block(measured_bytes<RolledDetector>(table.span(), limits(), expected, aspect)) {
     Arena arena(block.data(), block.size());
-    REQUIRE(create_in(arena, detector, table.span(), limits(), expected) == Status::ok);
+    REQUIRE(create_in(arena, detector, table.span(), limits(), expected, aspect) == Status::ok);
     REQUIRE(detector.status() == Status::ok);
   }
   static FaceDetectorLimits limits() {
@@ -50,14 +50,14 @@ struct Rig {
   }
 };
 
-/// A pattern whose middle is at `middle`, turned clockwise by so many eighths.
-Picture turned_pattern(int eighths, Vec2 middle, double side) {
+/// A pattern whose middle is at `middle`, turned clockwise by so many eighths. \param side  along x.
+Picture turned_pattern(int eighths, Vec2 middle, double side, double aspect = 1) {
   const double angle = static_cast<double>(roll_of_turn(eighths));
   Picture upright(400, 400, 120), out(kWidth, kHeight, 120);
   detector_pattern::draw(&upright, 200, 200, side);
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
-      const double dx = x - static_cast<double>(middle.x), dy = y - static_cast<double>(middle.y);
+      const double dx = x - static_cast<double>(middle.x), dy = (y - static_cast<double>(middle.y)) / aspect;
       const int i = static_cast<int>(std::lround(200 + std::cos(angle) * dx + std::sin(angle) * dy));
       const int j = static_cast<int>(std::lround(200 - std::sin(angle) * dx + std::cos(angle) * dy));
       if (i >= 0 && j >= 0 && i < 400 && j < 400) out.at(x, y) = upright.at(i, j);
@@ -92,6 +92,26 @@ TEST_CASE("a pattern is found at any eighth of a turn, where it is in the frame"
   }
 }
 
+TEST_CASE("a pattern in a frame whose pixels are not square is found at any turn, and near its box") {
+  for (const float aspect : {0.5f, 0.8f, 1.6f, 2.0f})
+    for (int turn = 0; turn < kTurnsOfPicture; ++turn) {
+      CAPTURE(aspect);
+      CAPTURE(turn);
+      const double side = aspect < 1 ? 140 : 85;
+      const Vec2 middle{110, 105};
+      Rig rig(rotation_of(turn), aspect);
+      DetectedFace faces[4];
+      std::size_t count = 0;
+      const Picture picture = turned_pattern(turn, middle, side, static_cast<double>(aspect));
+      REQUIRE(rig.detector.find_at(turn, picture.frame(), {faces, 4}, &count) == Status::ok);
+      REQUIRE(count >= 1);
+      check_is_at(faces[0], middle, side, turn);
+      DetectedFace face;
+      REQUIRE(rig.detector.search_near(picture.frame(), faces[0].box, &face) == Status::ok);
+      check_is_at(face, middle, side, turn);
+    }
+}
+
 TEST_CASE("most searches are at the expected turn; the others follow, each once in a round") {
   std::set<int> when;
   DetectedFace face;
@@ -120,7 +140,8 @@ TEST_CASE("a search in parts stays at its turn until the whole frame has been se
   }
 }
 
-TEST_CASE("near a box a pattern is found at the roll of the face that was there, and nothing in an empty frame") {
+TEST_CASE(
+    "near a box a pattern is found at the roll of the face that was there, and nothing in an empty frame") {
   Rig rig;
   const Picture empty(kWidth, kHeight, 120);
   for (int turn = 0; turn < kTurnsOfPicture; ++turn) {

@@ -109,14 +109,42 @@ TEST_CASE("odd eighths show the whole frame in a square of as many pixels, at mo
   }
 }
 
+TEST_CASE("where the frame's pixels are not square, those of the picture are") {
+  for (const float aspect : {0.5f, 0.8f, 1.25f, 2.0f}) {
+    CAPTURE(aspect);
+    Picture p(96, 80);  // a disc
+    for (int y = 0; y < 80; ++y)
+      for (int x = 0; x < 96; ++x) {
+        const Vec2 d = place(x, y) - Vec2{50, 38};
+        p.at(x, y) = length(Vec2{d.x, d.y / aspect}) < 18 ? 200 : 50;
+      }
+    Rig rig(96, 80);
+    for (int turn = 0; turn < kTurnsOfPicture; ++turn) {
+      CAPTURE(turn);
+      rig.picture.draw(p.frame(), turn, aspect);
+      const FaceBox disc = rig.picture.from_frame({{50, 38}, 36});
+      int count = 0;
+      float farthest = 0;
+      for (int y = 0; y < rig.picture.view().height; ++y)
+        for (int x = 0; x < rig.picture.view().width; ++x)
+          if (rig.at(x, y) > 125) ++count, farthest = max(farthest, length(place(x, y) - disc.center));
+      CHECK(farthest < 0.5f * disc.side + 1.5f);
+      CHECK(count == doctest::Approx(0.785f * disc.side * disc.side).epsilon(0.1));
+    }
+  }
+}
+
 TEST_CASE("boxes go there and back") {
   Picture p(90, 70, 9);
   Rig rig(90, 70);
   for (int turn = 0; turn < kTurnsOfPicture; ++turn) {
+    for (const float aspect : {0.5f, 1.0f, 2.0f}) {
+      rig.picture.draw(p.frame(), turn, aspect);
+      const FaceBox box{{20, 31}, 25}, back = rig.picture.to_frame(rig.picture.from_frame(box));
+      CHECK(length(back.center - box.center) < 1e-3f);
+      CHECK(back.side == doctest::Approx(25));
+    }
     rig.picture.draw(p.frame(), turn);
-    const FaceBox box{{20, 31}, 25}, back = rig.picture.to_frame(rig.picture.from_frame(box));
-    CHECK(length(back.center - box.center) < 1e-3f);
-    CHECK(back.side == doctest::Approx(25));
     const FaceBox there = rig.picture.to_frame({{20, 31}, 25});
     const double side_px = std::floor(std::sqrt(90.0 * 70)), ratio = (90 + 70) / std::sqrt(2.0) / side_px;
     CHECK(there.side == doctest::Approx(turn % 2 == 0 ? 25 : 25 * ratio).epsilon(1e-3));
@@ -157,13 +185,13 @@ TEST_CASE(
     const FrameView &a = plain.picture.view(), &b = wide.picture.view();
     CHECK(std::memcmp(a.data, b.data, static_cast<std::size_t>(a.width * a.height)) == 0);
   }
-  for (const auto& [width, height] : {std::pair{2, 2}, {2, 9}, {5000, 5002}, {4999, 5003}}) {
+  for (const auto& [width, height] : {std::pair{2, 2}, {2, 9}, {8192, 2}, {5000, 5002}, {4999, 5003}}) {
     const std::size_t bytes = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     Rig rig(width, height);
     std::memset(rig.block.data() + (bytes + 15) / 16 * 16, 77, 16);
     const Picture grey(width, height, 50);
-    for (const int turn : {1, 2}) {
-      rig.picture.draw(grey.frame(), turn);
+    for (const auto& [turn, aspect] : {std::pair{1, 1.0f}, {2, 1.0f}, {1, 0.5f}, {7, 2.0f}, {0, 2.0f}}) {
+      rig.picture.draw(grey.frame(), turn, aspect);
       CHECK(static_cast<std::size_t>(rig.picture.view().width * rig.picture.view().height) <= bytes);
       CHECK(rig.at(0, 0) == 50);
       CHECK(rig.at(rig.picture.view().width - 1, rig.picture.view().height - 1) == 50);
