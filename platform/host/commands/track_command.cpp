@@ -168,6 +168,14 @@ FrameView first_frame(const Args& args, FrameStream& frames) {
   return frame;
 }
 
+/// Profile S searches frames as they are (kUprightFaceDetection).
+void warn_of_pixels(const Args& args, const InitialOptions& how, std::ostream& err) {
+  if (args.text(kProfileOption.name).value_or("m") != "s" || !how.camera) return;
+  const float aspect = how.camera->aspect;
+  if (aspect < 0.67f || aspect > 1.5f)
+    err << kProfileOption.name << " s: some faces are not found, the camera's pixels are far from square\n";
+}
+
 int run_track(const Args& args, Console& console) {
   args.required("--out");
   check_start(args);
@@ -195,8 +203,10 @@ int run_track(const Args& args, Console& console) {
   TrackRun run(frames, make_tracker, options, markers, output, console.err);
   if (initial)
     run.start(frame, *initial, initial_how);
-  else
+  else {
+    warn_of_pixels(args, initial_how, console.err);
     run.search(frame, initial_how, file.path());
+  }
   Progress progress(console, "frame", expected);
   // Ctrl-C ends the track, and the result is kept.
   const InterruptWatch watch;

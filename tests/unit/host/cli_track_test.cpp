@@ -455,6 +455,21 @@ TEST_CASE(
   REQUIRE(run_words({"render", plain, "--params", params, "-o", film}).code == 0);
   check_refused({"track", plain, "--frames", film, "--out", folder / "t.csv"},
                 {"plain.plm", "neither learnt tables", "nor a print", "--init", "texture"});
+  for (const bool is_square : {false, true}) {
+    const std::string calibration =
+        folder.put("c.yml", std::string("%YAML:1.0\n---\nimage_width: 320\nimage_height: 240\n"
+                                        "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
+                                        "   data: [ 500., 0., 160., 0., ") +
+                                (is_square ? "500" : "900") +
+                                "., 120., 0., 0., 1. ]\n"
+                                "distortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: 4\n   dt: d\n"
+                                "   data: [ 0., 0., 0., 0. ]\n");
+    const Ran r = run_words({"track", plain, "--frames", film, "--out", folder / "t.csv", "--calibration",
+                             calibration, "--profile", "s"});
+    CAPTURE(r.err);
+    CHECK(contains(r.err, "far from square") == !is_square);
+    CHECK(contains(r.err, "neither learnt tables"));
+  }
   const std::string picture = folder / "p.png";
   write_file(picture, encode_png(Image(320, 240, 1, 128)));
   check_refused({"fit", printed, "--image", picture, "-o", folder / "f.json"},
