@@ -1,15 +1,18 @@
 // The minimum covariance determinant on the classical tables: against all subsets where these can be counted,
 // against the known optima, and against an independent program's results where its data are at hand
-// (PLIANT_DATA).
+// (PLIANT_DATA). And the range of the quantiles that its cutoffs are.
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <sstream>
 #include <string>
 
 #include "mcd_runner.hpp"
+#include "pliant/outliers.hpp"
 #include "real_data.hpp"
 
 namespace mcd_data_test {
@@ -144,6 +147,20 @@ double worst_difference(const McdEstimate& ours, const std::vector<double>& cent
 }
 
 }  // namespace
+
+TEST_CASE(
+    "chi-square quantiles are exact to 1e-9 in all of their range, and values beyond it end the search, "
+    "too") {
+  for (const double p : {1e-12, 1e-9, 1e-6, 1e-3, 0.1, 0.9, 1 - 1e-3, 1 - 1e-6}) {
+    const double exact = -2 * std::log1p(-p);  // two degrees of freedom
+    CHECK(std::fabs(chi_square_quantile(2, p) - exact) < 1e-9 * exact);
+    const double root = std::sqrt(0.5 * chi_square_quantile(1, p));  // the square of a normal variable
+    const double ratio = p < 0.5 ? std::erf(root) / p : std::erfc(root) / (1 - p);
+    CHECK(std::fabs(ratio - 1) < 1e-8);  // in a tail the probability is off by more than the quantile
+  }
+  for (const double p : {std::numeric_limits<double>::quiet_NaN(), -1.0, 0.0, 1e-300, 1e-18, 1.0, 2.0})
+    for (const std::size_t freedom : {1u, 5u, 26u}) CHECK(chi_square_quantile(freedom, p) < 401);
+}
 
 TEST_CASE("FAST-MCD finds the smallest of all subsets, where all can be counted") {
   int counted = 0;
