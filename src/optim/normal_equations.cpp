@@ -256,11 +256,15 @@ void NormalEquations::for_row(std::size_t k, F f) const {
 }
 
 /// Copies S H S + damping I, restricted to the free unknowns, into `factor_` (upper triangle, packed). An unknown is free
-/// if it is neither pinned nor undetermined.
+/// if it is observed and not at a limit. What was undetermined beside another unknown may be determined now that this one is at its
+/// limit.
 void NormalEquations::copy_scaled(float damping) {
   free_count_ = 0;
-  for (std::size_t i = 0; i < count_; ++i)
-    if (pinned_[i] == Pin::none) free_[free_count_++] = static_cast<std::uint16_t>(i);
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (pinned_[i] == Pin::at_limit || !(h_[index(i, i)] > 0)) continue;
+    pinned_[i] = Pin::none;
+    free_[free_count_++] = static_cast<std::uint16_t>(i);
+  }
   float* to = factor_;
   for (std::size_t k = 0; k < free_count_; ++k, to += free_count_ - k + 1) {
     const std::size_t i = free_[k];

@@ -146,6 +146,28 @@ TEST_CASE("an unobserved unknown stays and is counted") {
   CHECK(step[1] == doctest::Approx(2));
 }
 
+TEST_CASE("an unknown that another one hides is determined once that is held at its limit") {
+  Equations e(3);
+  const std::uint16_t unknown[2] = {0, 1};
+  const Vec2 column[2] = {{1, 0}, {1, 0}};  // only their sum is seen; 2 is never seen
+  const auto solve = [&](float lower, float upper, float* step) {
+    e.equations.reset(3);
+    e.equations.add(unknown, column, 2, {10, 0}, {1, 0, 1});
+    e.equations.set_limits(0, lower, upper);
+    e.equations.solve(0, step);
+  };
+  float step[3];
+  solve(-1, 1, step);
+  CHECK(step[0] == 1);
+  CHECK(step[1] == doctest::Approx(9));
+  CHECK(e.equations.undetermined_count() == 1);
+  solve(-20, 20, step);  // no limit is reached
+  CHECK(step[0] == doctest::Approx(10));
+  CHECK(step[1] == 0);
+  CHECK(step[2] == 0);
+  CHECK(e.equations.undetermined_count() == 2);
+}
+
 /// A problem of n unknowns, by its cost and its equations at x.
 template <std::size_t n>
 struct Problem {
