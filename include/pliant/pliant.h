@@ -71,7 +71,8 @@ pliant_status pliant_start_from_landmarks(pliant_tracker *tracker, const pliant_
                                           const pliant_start_options *options);
 
 /** Starts with the neutral face, frontal, in a face detector's box: upper left corner and size, px, size above 0.
- *  With a table that has an aligner the face is then aligned in the frame.
+ *  With a table that has an aligner the face is then aligned in the frame. A box tells no roll: of a head that is turned in the
+ *  picture by more than about 40 degrees start from landmarks, a pose or by detection.
  *  \param options  null: nothing is known; `box` says what the box encloses. \return as pliant_start_from_pose. */
 pliant_status pliant_start_from_box(pliant_tracker *tracker, const pliant_frame *frame, float x, float y, float width,
                                     float height, const pliant_start_options *options);

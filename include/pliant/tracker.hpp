@@ -82,7 +82,8 @@ class Tracker {
                               Span<const Vec2> markers = {});
 
   /// Starts with the neutral model, frontal, in a face detector's box: upper left corner and size, px
-  /// (StartOptions::box). With learnt tables the face is then aligned in the frame.
+  /// (StartOptions::box). With learnt tables the face is then aligned in the frame. A box tells no roll: of a head that is turned
+  /// in the picture by more than about 40 degrees start from landmarks, a pose or by detection.
   /// \return bad_argument (a size that is not positive, a corner or size beyond a million px), and the
   ///         statuses of start_from_pose.
   Status start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, const StartOptions& start = {},
