@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <optional>
+#include <sstream>
 #include <string_view>
 
 #include "host/io/numbers.hpp"
@@ -29,7 +31,7 @@ class MapLine {
   explicit MapLine(std::string_view text) : rest_(text) {
     for (const MapOption* option = next_option(); option != nullptr; option = next_option()) skip(*option);
   }
-  std::string name() const { return trimmed(rest_); }
+  std::string name() const { return std::string(unquoted(trimmed(rest_))); }
   /// Whether an option changes which part of the picture is seen.
   bool is_moved() const { return is_moved_; }
 
@@ -73,9 +75,11 @@ std::map<std::string, std::string> read_picture_names(const std::string& path,
   const std::string folder = path.substr(0, path.find_last_of('/') + 1);
   std::map<std::string, std::string> names;
   std::ifstream in(path);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  std::istringstream lines(text);
   std::string material;
   bool is_first = true;
-  for (std::string line; std::getline(in, line); is_first = false) {
+  for (std::string line; std::getline(lines, line, line_end_of(text)); is_first = false) {
     line = trimmed(is_first ? std::string(without_byte_order_mark(line)) : line);
     const std::size_t blank = line.find_first_of(" \t");
     if (blank == std::string::npos) continue;

@@ -8,6 +8,7 @@
 
 #include "host/bake/material_library.hpp"
 #include "host/bake/source_error.hpp"
+#include "host/io/words.hpp"
 
 namespace pliant::host::bake {
 
@@ -36,7 +37,7 @@ std::vector<std::string> libraries_in(const std::string& folder, const std::vect
     if (are_several)
       names.insert(names.end(), each.begin(), each.end());
     else
-      names.push_back(line);
+      names.emplace_back(unquoted(line));
   }
   return names;
 }

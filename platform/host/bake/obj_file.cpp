@@ -28,6 +28,7 @@ class ObjReader {
     text_.resize(static_cast<std::size_t>(size));
     in.seekg(0);
     if (size > 0 && !in.read(text_.data(), size)) throw SourceError(path, 0, "cannot be read");
+    line_end_ = line_end_of(text_);
     mesh_.path = path;
     mesh_.materials.emplace_back();
   }
@@ -52,7 +53,7 @@ class ObjReader {
   /// characters that separate the two become blanks. A comment does not go on, since it may end in the path of a folder.
   std::size_t end_of_line(std::size_t start) {
     for (;; ++last_line_) {
-      const std::size_t end = std::min(text_.find('\n', start), text_.size());
+      const std::size_t end = std::min(text_.find(line_end_, start), text_.size());
       const std::string_view line = std::string_view(text_).substr(start, end - start);
       const std::size_t last = line.find_last_not_of('\r');
       if (end == text_.size() || last == std::string_view::npos || line[last] != '\\' ||
@@ -137,6 +138,7 @@ class ObjReader {
 
   std::string path_, text_;
   std::string_view rest_;
+  char line_end_ = '\n';
   int line_ = 0, last_line_ = 0;  // the first and the last line of the file that the current one is made of
   bool is_fixed_ = false;         // the current group
   int material_ = 0;              // the current one

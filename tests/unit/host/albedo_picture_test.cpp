@@ -189,6 +189,28 @@ TEST_CASE("the name of a material's picture with blanks behind options is read w
   CHECK(!contains(result.err, "scaled"));
 }
 
+TEST_CASE("names of pictures and material files may be quoted, and a carriage return alone ends lines") {
+  const MaterialFolder folder;
+  const std::string paints =
+      "newmtl left\nmap_Kd \"ramp one.png\"\nnewmtl right\nmap_Kd -s 1 1 1 \"dark.png\"\n";
+  const std::string sheet = sheet_obj(false, "mtllib \"two paints.mtl\"\n");
+  const auto with_returns = [](std::string text) {
+    text.erase(std::remove(text.begin(), text.end(), '\r'), text.end());
+    std::replace(text.begin(), text.end(), '\n', '\r');
+    return text;
+  };
+  for (const bool has_returns : {false, true}) {
+    CAPTURE(has_returns);
+    folder.put("two paints.mtl", has_returns ? with_returns(paints) : paints);
+    folder.put("sheet.obj", has_returns ? with_returns(sheet) : sheet);
+    const Ran result = run_words(folder.words);
+    CHECK(result.err == "");
+    REQUIRE(result.code == 0);
+    CHECK(std::fabs(folder.left() - 130) < 3);
+    CHECK(folder.right() == 20);
+  }
+}
+
 TEST_CASE("bake tells of a material's picture that is scaled or moved") {
   const MaterialFolder folder;
   for (const std::string option : {"-s 2 2 1", "-o 0.5", "-t 0 0.1 0"}) {

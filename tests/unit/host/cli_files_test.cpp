@@ -181,6 +181,10 @@ TEST_CASE("CSV may have quotes, spaces, any line ends and a byte order mark") {
   CHECK(table.number(1, 1) == 3);
   CHECK(table.where(1) == "t.csv: line 4");
   CHECK_THROWS_AS((void)CsvTable("t.csv", "x\n+-3\n").number(0, 0), Failure);
+  const CsvTable returns("t.csv", "landmark,x,y\r\ra,1,2\r");
+  REQUIRE(returns.row_count() == 1);
+  CHECK(returns.number(0, 2) == 2);
+  CHECK(returns.where(0) == "t.csv: line 3");
 }
 
 TEST_CASE("tables that are no CSV in UTF-8 with commas are refused by what they are") {
