@@ -140,7 +140,9 @@ const StrokeGlyph& glyph_of(char c) {
     for (const Source& source : kSources) all[static_cast<std::size_t>(source.character)] = parsed(source);
     return all;
   }();
+  static const StrokeGlyph nothing;
   const auto k = static_cast<unsigned char>(c);
+  if ((k & 0xc0) == 0x80) return nothing;
   return glyphs[k < glyphs.size() ? k : ' '];
 }
 

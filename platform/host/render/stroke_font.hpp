@@ -14,7 +14,8 @@ struct StrokeGlyph {
   std::vector<std::vector<Vec2>> strokes;  ///< polylines; one of two equal points is a dot
 };
 
-/// The glyph of a character; one without strokes and as wide as a blank if the font does not have it.
+/// The glyph of a character; one without strokes and as wide as a blank if the font does not have it. Text is in UTF-8: bytes that
+/// continue a character have no width.
 const StrokeGlyph& glyph_of(char c);
 
 }  // namespace pliant::host

@@ -346,6 +346,8 @@ TEST_CASE("every character of the font looks different, lies within its width, a
   CHECK(image.pixels == Image(40, 40, 1, 255).pixels);
   CHECK(text_width("", 2) == 0);
   CHECK(text_width("ab", 2) == text_width("a", 2) + text_width("b", 2));
+  CHECK(text_width("\xc3\xa9", 2) == text_width(" ", 2));
+  CHECK(text_width("\xe6\xbc\xa2\xf0\x9f\x99\x82", 2) == 2 * text_width(" ", 2));
 }
 
 TEST_CASE("enlarging keeps positions: the centre of a spot moves with the picture") {
