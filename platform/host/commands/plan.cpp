@@ -9,6 +9,7 @@
 #include "face/aligner_table.hpp"
 #include "face/part_fit.hpp"
 #include "optim/normal_equations_tuning.hpp"
+#include "print/print_matcher.hpp"
 #include "print/print_table.hpp"
 #include "print/print_tuning.hpp"
 #include "track/face_checks.hpp"
@@ -58,6 +59,7 @@ struct Instructions {
          print_curved_record = 2000;
   double print_place = 1500;  ///< besides print_block_record
   double print_cell = 4600, print_fit = 2e7, print_fit_record = 3.5e6;
+  double print_pair = 97;  ///< of matches, where they suggest similar views; of others 21
 };
 constexpr Instructions kCost{};
 
@@ -65,6 +67,7 @@ constexpr Instructions kCost{};
 struct UsualCounts {
   double rounds = 2, steps_a_template = 4.5, passes = 1.5, factorisations = 7.3;
   double projections_a_vertex = 1.3, drawings = 0.5, fraction_found = 0.7;
+  double print_matches = 300;  ///< of a frame with the print: 204 to 820 on a sheet; without it 8 and 24
 };
 constexpr UsualCounts kUsual{};
 
@@ -278,9 +281,13 @@ void add_print_loads(const Sizes& s, const TrackerLimits& limits, std::size_t mo
   const double cells = static_cast<double>(most_cells), fits = static_cast<double>(kPrintTuning.solutions);
   plan.search_loads.push_back(
       {"cells of the search", std::min<double>(limits.search_work, cells), cells, kCost.print_cell});
+  const double matches = static_cast<double>(PrintMatcher::most_matches());
+  plan.search_loads.push_back(
+      {"pairs of matches that vote for views", 0, matches * matches, kCost.print_pair});
   plan.search_loads.push_back({"fits of the print", 0, fits * static_cast<double>(kPrintTuning.most_views),
                                kCost.print_fit + kCost.print_fit_record * s.all_records});
   plan.start_loads = plan.search_loads;
+  plan.start_loads.rbegin()[1].usual = kUsual.print_matches * kUsual.print_matches;
   plan.start_loads.back().usual = fits;
   const double of_fit =
       static_cast<double>(kPrintTuning.block_passes) * static_cast<double>(kPrintTuning.fitted_points) +

@@ -30,12 +30,15 @@ std::size_t printed(const std::string& plan, const std::string& name) {
   return std::stoul(plan.substr(at + 3 + name.size()));
 }
 
-/// The bound of a load of a frame with a track.
-double most_of(const Plan& plan, const std::string& what) {
-  for (const Load& load : plan.loads)
+/// The bound of a load; of a plan: of a frame with a track.
+double most_of(const std::vector<Load>& loads, const std::string& what) {
+  for (const Load& load : loads)
     if (load.what == what) return load.most;
   FAIL("no load " << what);
   return 0;
+}
+double most_of(const Plan& plan, const std::string& what) {
+  return most_of(plan.loads, what);
 }
 
 std::size_t sum_of(const Plan& plan) {
@@ -295,6 +298,9 @@ TEST_CASE(
   const Plan plan = make_plan(model, limits),
              bare = make_plan(model, without_detection(without_stretch(limits)));
   CHECK(most_of(plan, "blocks of the print compared") == 48);
+  const auto matches = static_cast<double>(PrintMatcher::most_matches());
+  for (const auto* loads : {&plan.search_loads, &plan.start_loads})
+    CHECK(most_of(*loads, "pairs of matches that vote for views") == matches * matches);
   CHECK(most_instructions(plan.loads) > most_instructions(bare.loads));
   CHECK(most_counted_instructions(plan.loads) > most_counted_instructions(bare.loads));
   CHECK(most_instructions(plan.search_loads) > 0);
