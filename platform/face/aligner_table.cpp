@@ -97,6 +97,12 @@ std::size_t check_weight_bytes(const AlignerStage& last, std::size_t landmarks) 
   return 2 * landmarks * sizeof(float) + padded(landmarks * block_bytes(last));
 }
 
+std::size_t landmark_room(Span<const std::uint8_t> table) {
+  constexpr std::size_t kAt = offsetof(AlignerHeader, landmark_count);  // the lower byte: no good table has more
+  const std::size_t count = table.count > kAt ? table.data[kAt] : kMostAlignerLandmarks;
+  return count < kMostAlignerLandmarks ? count : kMostAlignerLandmarks;
+}
+
 Status AlignerTable::open(Span<const std::uint8_t> bytes, AlignerTable* table, bool is_summed) {
   const Status status =
       check_table(bytes, {kAlignerMagic, kAlignerVersion, sizeof(AlignerHeader)}, is_summed);

@@ -26,6 +26,10 @@ struct AlignerHeader {
   std::uint16_t landmark_count, stage_count;
 };
 
+/// Landmarks that an alignment with this table needs room for: read before it is checked, so that a measuring arena counts the
+/// same. Without a table it is the most that one may have.
+std::size_t landmark_room(Span<const std::uint8_t> table);
+
 /// What a stage does. A local stage (components = 0) predicts the displacement of each landmark from the
 /// block around it. A global stage predicts all displacements from blocks on a grid over the crop, through a
 /// few linear components.

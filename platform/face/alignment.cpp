@@ -39,7 +39,7 @@ void Alignment::lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> 
   use = of_use;
   table = arena.make<AlignerTable>();
   begun = arena.make<Begun>();
-  pass.lay_out(arena, of, kMostAlignerLandmarks, use);
+  pass.lay_out(arena, of, landmark_room(bytes), use);
   start_q = arena.take<float>(of.parameters().count);
   if (arena.is_measuring() || arena.exhausted()) return;
   const bool is_summed = bytes.data == of.aligner().data;  // by Model::open

@@ -27,7 +27,7 @@ void FaceAligner::lay_out_scratch(Arena& scratch) {
 std::size_t FaceAligner::scratch_bytes(const Model& model) {
   Arena arena;
   AlignerPass pass;
-  pass.lay_out(arena, model, kMostAlignerLandmarks, AlignerUse::spread_alignment);
+  pass.lay_out(arena, model, landmark_room(model.aligner()), AlignerUse::spread_alignment);
   const std::size_t kept = arena.used_bytes();
   pass.lay_out_scratch(arena);
   return arena.used_bytes() - kept;
