@@ -1,12 +1,11 @@
 #include "host/bake/material_library.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <sstream>
 #include <string_view>
 
+#include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
 #include "host/io/words.hpp"
 
@@ -74,8 +73,7 @@ std::map<std::string, std::string> read_picture_names(const std::string& path,
                                                       std::vector<std::string>* warnings) {
   const std::string folder = path.substr(0, path.find_last_of('/') + 1);
   std::map<std::string, std::string> names;
-  std::ifstream in(path);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string text = read_file(path);
   std::istringstream lines(text);
   std::string material;
   bool is_first = true;

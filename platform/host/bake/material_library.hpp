@@ -8,7 +8,7 @@
 namespace pliant::host::bake {
 
 /// Reads the names of the pictures (`map_Kd`) of a material library by the names of its materials; a material without one has an
-/// empty name. A name has the library's folder in front, and may have blanks in it. Empty if the file cannot be read.
+/// empty name. A name has the library's folder in front, and may have blanks in it. Bad input: the file cannot be read.
 /// \param warnings  gets a line for each picture with options that would scale or move it: it is read without them.
 std::map<std::string, std::string> read_picture_names(const std::string& path,
                                                       std::vector<std::string>* warnings);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 #include <string>
 
@@ -294,6 +295,12 @@ TEST_CASE("a material's picture that is not there is refused") {
   folder.put("paints.mtl", "newmtl right\nmap_Kd lost.png\n");
   check_refused(folder.words,
                 {"lost.png: the picture of material 'right' cannot be read (--texture none does without)"});
+}
+
+TEST_CASE("a material file that is there, but cannot be read, is refused") {
+  const MaterialFolder folder;
+  std::filesystem::create_symlink("/proc/self/mem", folder / "paints.mtl");  // nothing is at its beginning
+  check_refused(folder.words, {"paints.mtl: reading failed"});
 }
 
 TEST_CASE("the picture stays on the surface when the chart is relaxed, and render shows it") {
