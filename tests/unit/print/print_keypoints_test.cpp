@@ -2,12 +2,14 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/bake/bake.hpp"
 #include "host/bake/opened_table.hpp"
 #include "host/io/image.hpp"
 #include "obj_folder.hpp"
 #include "print/print_table.hpp"
+#include "print_film.hpp"
 #include "random.hpp"
 
 namespace print_keypoints_test {
@@ -64,6 +66,13 @@ TEST_CASE(
       CHECK(std::count_if(first, end,
                           [&](const PrintKeypoint& k) { return k.view == view && k.level == level; }) >= 5);
     }
+}
+
+TEST_CASE("the extent of a print is that of the whole surface, with the last row of its chart") {
+  const bake::OpenedTable opened(sheet_bytes());
+  PrintTable table;
+  REQUIRE(PrintTable::open(opened.model().print(), &table) == Status::ok);
+  CHECK(table.extent_mm() == doctest::Approx(std::hypot(210.0, 297.0)).epsilon(0.001));
 }
 
 }  // namespace print_keypoints_test
