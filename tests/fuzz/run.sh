@@ -12,7 +12,7 @@ cd "$(dirname "$0")/../.."
 if [ "${1:-}" = --one ]; then
   seed=$2; seconds=$3; name=$4
   case $name in
-    mesh | table | interface) fuzzer=$name; option= ;;
+    mesh | table | print | interface) fuzzer=$name; option= ;;
     *) fuzzer=reader; option=--reader=$name ;;
   esac
   log=build/fuzz/$name.log
@@ -36,7 +36,7 @@ seed=0
 if [ "${1:-}" = --seed ] && [ $# -ge 2 ]; then seed=$2; shift 2; fi
 [ $# -ge 1 ] || { sed -n 's/^# usage: /usage: /p' "$0" >&2; exit 2; }
 seconds=$1; shift
-[ $# -gt 0 ] || set -- mesh table interface csv points posed truth json fit calibration y4m pnm picture text-table obj learnt \
+[ $# -gt 0 ] || set -- mesh table print interface csv points posed truth json fit calibration y4m pnm picture text-table obj learnt \
   arguments
 mkdir -p build/fuzz
 printf 'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }' > build/fuzz/none.cpp

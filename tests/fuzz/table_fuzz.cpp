@@ -54,36 +54,6 @@ Film& film() {
   return one;
 }
 
-void change(fuzz::Table& table, const std::uint8_t* record) {
-  static constexpr float kFloats[] = {0, -0.0f, 1, -1, 1e-38f, 1e6f, -1e6f, 3e38f, -3e38f, 0.5f, 1e3f, 1e30f};
-  const std::size_t start =
-      record[0] / 16 % 2 == 0 ? 4096 : table.size();  // most of the structure is at the front
-  const std::size_t place =
-      std::size_t{record[1]} | std::size_t{record[2]} << 8 | std::size_t{record[3]} << 16;
-  const std::size_t position = place % std::min(start, table.size() - 4);
-  const std::size_t word = position / 4 * 4;
-  switch (record[0] % 5) {
-    case 0:
-      table.bytes()[position] = record[4];
-      break;
-    case 1:
-      std::memcpy(table.bytes() + position / 2 * 2, record + 4, 2);
-      break;
-    case 2:
-      std::memcpy(table.bytes() + word, record + 4, 4);
-      break;
-    case 3:
-      std::memcpy(table.bytes() + word, &kFloats[record[4] % 12], 4);
-      break;
-    default: {
-      float value;
-      std::memcpy(&value, table.bytes() + word, 4);
-      value *= kFloats[record[4] % 12];
-      std::memcpy(table.bytes() + word, &value, 4);
-    }
-  }
-}
-
 void check(const Tracker& tracker, const FrameResult& result) {
   require(result.state <= TrackState::lost && result.landmark_error >= 0 && result.landmark_error <= 1);
   if (!tracker.is_started() || result.state == TrackState::lost) return;
@@ -135,7 +105,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size < 1) return 0;
   const bool is_whole = data[0] % 2 == 1;
   fuzz::Table table(is_whole ? std::vector<std::uint8_t>(data + 1, data + size) : film().table);
-  for (std::size_t at = 1; !is_whole && at + 8 <= size; at += 8) change(table, data + at);
+  for (std::size_t at = 1; !is_whole && at + 8 <= size; at += 8) fuzz::change({table.bytes(), table.size()}, 4096, data + at);
   table.seal();
   Model model;
   if (Model::open(table.data(), table.size(), &model) == Status::ok) track(model);

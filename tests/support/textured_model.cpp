@@ -96,5 +96,6 @@ std::vector<std::uint8_t> TexturedModel::bytes() const {
           static_cast<std::uint8_t>(paint(static_cast<float>(i) / static_cast<float>(albedo_side - 1),
                                           static_cast<float>(j) / static_cast<float>(albedo_side - 1))));
   writer.set_albedo(albedo);
+  writer.set_print(print);
   return writer.bytes();
 }

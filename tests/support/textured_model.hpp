@@ -15,6 +15,7 @@ struct TexturedModel {
   Paint paint = blotches;
   int albedo_side = 256;
   bool with_expressions = true;
+  std::vector<std::uint8_t> print;  ///< of make_print_table, from the model without one
 
   TexturedModel();
   ~TexturedModel();
