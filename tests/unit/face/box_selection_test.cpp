@@ -32,6 +32,7 @@ TEST_CASE("the overlap of boxes is the shared area over the area of both") {
   CHECK(overlap({{0, 0}, 10}, {{0, 0}, 10}) == doctest::Approx(1));
   CHECK(overlap({{0, 0}, 10}, {{5, 0}, 10}) == doctest::Approx(1.0 / 3));
   CHECK(overlap({{0, 0}, 10}, {{0, 0}, 20}) == doctest::Approx(0.25));
+  CHECK(overlap({{0, 0}, 10}, {{10, 0}, 20}) == doctest::Approx(1.0 / 9));  // 50 of 100 + 400 - 50
   CHECK(overlap({{0, 0}, 10}, {{30, 0}, 10}) == 0);
   CHECK(overlap({{0, 0}, 0}, {{0, 0}, 0}) == 0);
 }
@@ -66,6 +67,35 @@ TEST_CASE("a clear hit weighs more than a weak one") {
   rig.hits.add(hit(100, 100, 50, 499));
   rig.hits.add(hit(110, 100, 50, 199));
   CHECK(rig.hits.take_best(100).box.center.x == doctest::Approx(102));
+}
+
+TEST_CASE("of equally clear hits the larger one weighs more: both middle and side are its side's") {
+  Rig rig;
+  rig.hits.add(hit(100, 100, 40, 300));
+  rig.hits.add(hit(102, 100, 50, 300));
+  const BoxHit mean = rig.hits.take_best(100);
+  CHECK(mean.box.center.x == doctest::Approx((40 * 100 + 50 * 102) / 90.0));
+  CHECK(mean.box.side == doctest::Approx((40 * 40 + 50 * 50) / 90.0));
+}
+
+TEST_CASE("a hit below the least sum weighs as one at it") {
+  for (const int sum : {100, 60, -500}) {
+    CAPTURE(sum);
+    Rig rig;
+    rig.hits.add(hit(100, 100, 50, 102));
+    rig.hits.add(hit(104, 100, 50, sum));
+    CHECK(rig.hits.take_best(100).box.center.x == doctest::Approx(101));
+  }
+}
+
+TEST_CASE("of equal sums the first hit counts, also where there is no room for more") {
+  Rig rig;
+  for (int k = 0; k < 3; ++k) rig.hits.add(hit(static_cast<float>(100 * k), 0, 50, 300));
+  for (float x = 0; x < 300; x += 100) CHECK(rig.hits.take_best(0).box.center.x == x);
+  for (int k = 0; k < kCapacity; ++k) rig.hits.add(hit(0, 0, 50, 300));
+  rig.hits.add(hit(500, 0, 50, 300));
+  rig.hits.take_best(0);
+  CHECK(rig.hits.empty());
 }
 
 TEST_CASE("beyond its capacity the weakest hits are dropped") {
