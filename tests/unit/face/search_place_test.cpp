@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "face/detector_table.hpp"
 #include "face/scaled_lines.hpp"
@@ -56,6 +57,28 @@ TEST_CASE("the smallest box has the size asked for, the largest exceeds the fram
   }
 }
 
+TEST_CASE("no box is smaller than a window, whatever is asked for") {
+  for (const int smallest : {-5, 0, 10, 47}) {
+    SearchPlace at;
+    at.begin(320, 240, smallest);
+    CHECK(at.box(0, 0).side == kWindowPx);
+  }
+}
+
+TEST_CASE("four sizes are an octave, in equal ratios") {
+  SearchPlace at;
+  float last = 0;
+  int sizes = 0;
+  for (at.begin(1280, 960, 48); !at.is_complete(); at.advance()) {
+    const float side = at.box(0, 0).side;
+    if (side == last) continue;
+    if (last > 0) CHECK(side / last == doctest::Approx(std::pow(2.0, 0.25)).epsilon(0.005));
+    last = side;
+    ++sizes;
+  }
+  CHECK(sizes > 16);
+}
+
 TEST_CASE("a window's middle is the middle of the pixels that it covers") {
   SearchPlace at;
   at.begin(320, 240, 48);
@@ -71,6 +94,11 @@ TEST_CASE("frames without room for a face are complete at once") {
     CHECK(at.is_complete());
     at.begin(500, side, 48);
     CHECK(at.is_complete());
+  }
+  for (const int width : {40, 500}) {
+    SearchPlace at;
+    at.begin(width, 540 - width, 48);
+    CHECK_FALSE(at.is_complete());
   }
   SearchPlace at;
   at.begin(8192, 8192, 65535);
@@ -109,7 +137,14 @@ TEST_CASE("near a box are its windows of five sizes, none far from it and none t
     CHECK(sides.size() == (box.side > 60 ? 5 : 3));  // none is smaller than the smallest
     CHECK(*sides.begin() * 1.5f > box.side);
     CHECK(*sides.rbegin() < 1.5f * box.side);
+    const float near_px = 0.25f * box.side - 1;
+    for (const Window& w : all)
+      if (sides.count(w.first) == 1 && std::abs(w.second.first - box.center.x) < near_px &&
+          std::abs(w.second.second - box.center.y) < near_px)
+        CHECK(near.count(w) == 1);
   }
+  at.begin(320, 240, 48);  // the whole frame again
+  CHECK(windows(at) == all);
 }
 
 TEST_CASE("near a box that is outside of the frame, tiny or huge there is an end") {
@@ -118,6 +153,21 @@ TEST_CASE("near a box that is outside of the frame, tiny or huge there is an end
     int rows = 0;
     for (at.begin_near(320, 240, 48, box); !at.is_complete(); at.advance()) ++rows;
     CHECK(rows < 100);
+  }
+}
+
+TEST_CASE("a box far outside of the frame is searched for at its border, however far") {
+  const auto places = [](Vec2 center) {
+    std::vector<std::vector<int>> rows;
+    SearchPlace at;
+    for (at.begin_near(320, 240, 48, {center, 80}); !at.is_complete(); at.advance())
+      rows.push_back({at.ratio(), at.first_column(), at.columns(), at.row()});
+    return rows;
+  };
+  for (const Vec2 way : {Vec2{-1, 0}, Vec2{1, 0}, Vec2{0, -1}, Vec2{0, 1}}) {
+    const auto outside = places({160 + 300 * way.x, 120 + 300 * way.y});
+    CHECK(outside.size() > 0);
+    for (const float far : {1e4f, 1e30f}) CHECK(places({160 + far * way.x, 120 + far * way.y}) == outside);
   }
 }
 
