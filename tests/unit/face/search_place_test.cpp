@@ -100,6 +100,7 @@ TEST_CASE("frames without room for a face are complete at once") {
     at.begin(width, 540 - width, 48);
     CHECK_FALSE(at.is_complete());
   }
+  for (const int width : {1, 16, 40}) CHECK(SearchPlace::most_columns(width) >= kWindowCells);
   SearchPlace at;
   at.begin(8192, 8192, 65535);
   CHECK(at.is_complete());
