@@ -71,9 +71,42 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("places are those with neighbours, a step apart; what lies between them is not measured") {
+  for (int side = 0; side < 40; ++side)
+    for (const int step : {1, 3, 5, 7}) {
+      int places = 0;
+      for (int x = 1; x + 1 < side; x += step) ++places;
+      CHECK(noise_places(side, step) == places);
+    }
+  for (const bool is_across : {false, true}) {
+    Frame between(0, 640, 480), clean(0, 640, 480);
+    const int step = noise_step(640, 480);
+    REQUIRE(step > 3);
+    Random random(4);
+    for (int y = 0; y < 480; ++y)
+      for (int x = 0; x < 640; ++x)
+        if ((is_across ? x : y) % step > 2)
+          between.at(x, y) = static_cast<std::uint8_t>(between.at(x, y) + random.below(40));
+    CHECK(noise_of(between.view()).noise == noise_of(clean.view()).noise);
+  }
+}
+
+TEST_CASE("places that are clipped, black or white, do not count") {
+  for (const int clipped : {0, 255}) {
+    CAPTURE(clipped);
+    Frame frame(8);
+    for (int y = 0; y < kHeight * 6 / 10; ++y)
+      for (int x = 0; x < kWidth; ++x) frame.at(x, y) = static_cast<std::uint8_t>(clipped);
+    CHECK(noise_of(frame.view()).noise == doctest::Approx(8).epsilon(0.1));
+    CHECK(noise_of(frame.view()).contrast < 30);
+  }
+}
+
 TEST_CASE("where nothing can be measured there is no noise") {
   CHECK(noise_of(Frame(7, 1, 1).view()).noise == 0);
   CHECK(noise_of(Frame(7, 10, 10).view()).noise == 0);
+  CHECK(noise_of(Frame(7, 17, 18).view()).noise == 0);
+  CHECK(noise_of(Frame(7, 18, 18).view()).noise > 4);                    // 256 places
   CHECK(noise_of(Frame(9, kWidth, kHeight, 1, 400).view()).noise == 0);  // white
 }
 
@@ -123,6 +156,7 @@ TEST_CASE("a smoothed frame is the binomial mean of 5 x 5 pixels, the border con
     InArena<NoiseFilter> filter(kWidth, kHeight);
     const FrameView out = filter->smoothed(view);
     REQUIRE(out.data != view.data);
+    REQUIRE(out.pixel_step_bytes == 1);
     int wrong = 0;
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
