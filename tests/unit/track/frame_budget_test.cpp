@@ -130,6 +130,61 @@ TEST_CASE("one work is reserved at a time, and at most a fraction of the budget"
   CHECK(budget.take(budget.key_frame, 800));
 }
 
+TEST_CASE("what a frame has reserved and not used is free in the next one") {
+  FrameBudget budget = budget_with(0);
+  budget.check.hurry(300);
+  budget.begin(true);
+  REQUIRE(budget.left() == 700);
+  SUBCASE("which may need all") {
+    budget.begin(false);
+  }
+  SUBCASE("of another track") {
+    budget.forget_waiting();
+    budget.begin(true);
+    CHECK(budget.take_now(budget.person, 100));  // and no kind comes first
+  }
+  CHECK(budget.left() + budget.work.rare == 1000);
+}
+
+TEST_CASE("each kind of work that can wait is reserved for once it is overdue, checks first, looks last") {
+  FrameBudget budget = budget_with(0);
+  WaitingWork* const kinds[] = {&budget.check, &budget.key_frame, &budget.person, &budget.second_look};
+  for (WaitingWork* kind : kinds) kind->hurry(300);
+  for (WaitingWork* kind : kinds) {
+    budget.begin(true);
+    CHECK(budget.left() == 700);
+    for (WaitingWork* other : kinds) CHECK(other->is_reserved == (other == kind));
+    CHECK(budget.take(*kind, 300));
+  }
+}
+
+TEST_CASE("all that is left is granted, in a frame for one kind of work") {
+  FrameBudget budget = budget_with(40);
+  CHECK(budget.take_now(budget.person, 600));
+  CHECK(budget.left() == 0);
+  budget.begin(true);
+  CHECK(budget.take(budget.check, 1000));
+  budget.begin(true);
+  CHECK(budget.take(budget.check, 100));
+  CHECK_FALSE(budget.take(budget.key_frame, 100));
+}
+
+TEST_CASE("rare work that a frame begins with takes half of the budget, and what was reserved waits") {
+  FrameBudget budget = budget_with(0);
+  budget.check.hurry(300);
+  budget.begin(true);
+  budget.give_half_to(budget.person);
+  CHECK(budget.left() == 500);
+  CHECK_FALSE(budget.take(budget.check, 300));
+  CHECK(budget.take_now(budget.person, 500));
+  budget.begin(true);
+  CHECK(budget.take(budget.check, 300));
+  budget.begin(true);
+  budget.give_half_to(budget.person);  // nothing was reserved
+  CHECK_FALSE(budget.take_now(budget.check, 100));
+  CHECK(budget.left() == 500);
+}
+
 TEST_CASE("the work of a frame is that of all its loops") {
   const WorkCosts costs = WorkCosts::of(11, 44, 40);
   FrameWork work;
