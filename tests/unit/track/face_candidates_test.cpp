@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "random.hpp"
@@ -56,6 +57,7 @@ TEST_CASE("candidates come best first, whatever the order in which they are foun
   } while (std::next_permutation(order.begin(), order.end()));
   CHECK(made_of({}).empty());
   CHECK(made_of({face(0, 0.99f * low)}).empty());
+  CHECK(made_of({face(0, std::numeric_limits<float>::quiet_NaN())}).empty());
 }
 
 TEST_CASE("of the detections of one face only the best one stays") {
