@@ -78,6 +78,77 @@ TEST_CASE("a mesh that faces the camera hides what lies behind it and nothing el
   CHECK_FALSE(buffer->hides({100, 60}, 900, 5));
 }
 
+TEST_CASE("a point is hidden if the surface is nearer by more than the margin") {
+  ModelBuilder b;
+  b.grid_mesh(4);
+  InArena<Mesh> mesh(MeshLimits{});
+  set_base(mesh.object, b);
+  std::vector<Vec2> image;
+  for (Vec2 uv : b.vertices) image.push_back({100 * uv.x, 100 * uv.y});
+  const std::vector<float> depth(image.size(), 500.0f);
+  InArena<DepthBuffer> buffer(32, 32);
+  buffer->draw(mesh.object, image.data(), depth.data());
+  CHECK(buffer->hides({50, 50}, 506, 5));
+  CHECK_FALSE(buffer->hides({50, 50}, 504, 5));
+  for (const Vec2 outside : {Vec2{50, -1}, {50, 101}, {50, 1e6f}, {-1, 50}, {1e6f, 50}})
+    CHECK_FALSE(buffer->hides(outside, 1e9f, 5));
+}
+
+TEST_CASE("the grid covers a mesh that is much higher than wide, or wider, to its end") {
+  for (const Vec2 size : {Vec2{20, 300}, {300, 20}}) {
+    ModelBuilder b;
+    b.grid_mesh(4);
+    InArena<Mesh> mesh(MeshLimits{});
+    set_base(mesh.object, b);
+    std::vector<Vec2> image;
+    for (Vec2 uv : b.vertices) image.push_back({size.x * uv.x, size.y * uv.y});
+    const std::vector<float> depth(image.size(), 500.0f);
+    InArena<DepthBuffer> buffer(32, 32);
+    buffer->draw(mesh.object, image.data(), depth.data());
+    for (const float part : {0.1f, 0.5f, 0.9f}) CHECK(buffer->hides({part * size.x, part * size.y}, 900, 5));
+  }
+}
+
+TEST_CASE("edges between faces that run through the middles of cells leave none of them open") {
+  ModelBuilder b;
+  b.grid_mesh(3);
+  InArena<Mesh> mesh(MeshLimits{});
+  set_base(mesh.object, b);
+  const float at[] = {0, 0.5f, 4.5f, 8};  // px, of columns and rows; a cell is a pixel
+  std::vector<Vec2> image;
+  for (Vec2 uv : b.vertices)
+    image.push_back({at[static_cast<int>(3 * uv.x + 0.5f)], at[static_cast<int>(3 * uv.y + 0.5f)]});
+  const std::vector<float> depth(image.size(), 500.0f);
+  InArena<DepthBuffer> buffer(8, 8);
+  buffer->draw(mesh.object, image.data(), depth.data());
+  REQUIRE(buffer->cell_px() == 1);
+  for (int j = 0; j < 8; ++j)
+    for (int i = 0; i < 8; ++i)
+      CHECK(buffer->hides({static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f}, 900, 5));
+}
+
+TEST_CASE("of surfaces over each other the nearest one counts, in whatever order they are drawn") {
+  ModelBuilder b;
+  b.grid_mesh(3);
+  InArena<Mesh> mesh(MeshLimits{});
+  set_base(mesh.object, b);
+  const float across[] = {0, 60, 10, 70};  // of the columns: the middle part is turned over
+  for (const bool first_is_near : {false, true}) {
+    CAPTURE(first_is_near);
+    std::vector<Vec2> image;
+    std::vector<float> depth;
+    for (Vec2 uv : b.vertices) {
+      const int column = static_cast<int>(3 * uv.x + 0.5f);
+      image.push_back({across[column], 60 * uv.y});
+      depth.push_back((column < 2) == first_is_near ? 500.0f : 600.0f);
+    }
+    InArena<DepthBuffer> buffer(32, 32);
+    buffer->draw(mesh.object, image.data(), depth.data());
+    CHECK(buffer->hides({35, 30}, 550, 5));
+    CHECK_FALSE(buffer->hides({35, 30}, 500, 5));
+  }
+}
+
 TEST_CASE("faces much smaller and larger than a cell leave none of the cells between them open") {
   for (const int side : {2, 9, 40, 100}) {
     ModelBuilder b;
@@ -142,6 +213,7 @@ TEST_CASE("a mesh behind the camera is not drawn") {
   InArena<DepthBuffer> buffer(8, 8);
   buffer->draw(mesh.object, image.data(), depth.data());
   CHECK_FALSE(buffer->hides({0, 0}, 100, 0));
+  CHECK(buffer->cell_px() > 0);
 }
 
 }  // namespace visibility_test
