@@ -138,7 +138,7 @@ Status ForceRejector::reject(const float* jacobian, const Vec2* force, std::size
   factorise();
   least_ = options.noise_px * options.noise_px;
   for (std::size_t i = 0; i < rows; ++i)
-    if (keep[i] != 0 && mcd_.is_flagged(i) && dot(force[i], force[i]) > least_) keep[i] = 0;
+    if (mcd_.is_flagged(i) && dot(force[i], force[i]) > least_) keep[i] = 0;
   return Status::ok;
 }
 

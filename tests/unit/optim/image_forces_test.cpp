@@ -155,19 +155,28 @@ double error_px(const Scene& scene, const Parameters& q, const Parameters& truth
   return sum;
 }
 
+/// The rigid columns: the row of x, then that of y.
+std::vector<float> rows_of(const Block& b) {
+  std::vector<float> rows;
+  for (Eigen::Index row = 0; row < 2; ++row)
+    for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(kRigid); ++k)
+      rows.push_back(static_cast<float>(b(row, k)));
+  return rows;
+}
+
 struct RejectorRunner {
   RejectorRunner() : block(measured_bytes<ForceRejector>(limits)), arena(block.data(), block.size()) {
     REQUIRE(create_in(arena, rejector, limits) == Status::ok);
   }
-  std::vector<std::uint8_t> reject(const Scene& scene, const Trial& trial, McdStarts starts) {
+  std::vector<std::uint8_t> reject(const Scene& scene, const Trial& trial, McdStarts starts,
+                                   float cutoff = ForceOptions{}.cutoff) {
     std::vector<float> jacobian;
     for (const Block& b : scene.b)
-      for (Eigen::Index row = 0; row < 2; ++row)
-        for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(kRigid); ++k)
-          jacobian.push_back(static_cast<float>(b(row, k)));
+      for (const float each : rows_of(b)) jacobian.push_back(each);
     std::vector<std::uint8_t> keep(kPoints);
     ForceOptions options;
     options.starts = starts;
+    options.cutoff = cutoff;
     REQUIRE(rejector.reject(jacobian.data(), trial.force.data(), kPoints, kRigid, options, keep.data()) ==
             Status::ok);
     return keep;
@@ -278,6 +287,11 @@ TEST_CASE("at rest nothing is rejected, whatever the noise below the floor looks
   CHECK(count(runner.reject(scene, trial, McdStarts::median_ball)) == static_cast<long>(kPoints));
   trial.force[7] = {20, -20};
   CHECK(runner.reject(scene, trial, McdStarts::median_ball)[7] == 0);
+  for (const float length_px : {0.09f, 0.15f}) {  // the floor is 0.1 px
+    trial.force.assign(kPoints, {});
+    trial.force[7] = {length_px, 0};
+    CHECK(runner.reject(scene, trial, McdStarts::median_ball)[7] == (length_px < 0.1f));
+  }
 }
 
 TEST_CASE("an unobserved parameter and values that are not finite are handled") {
@@ -296,6 +310,67 @@ TEST_CASE("an unobserved parameter and values that are not finite are handled") 
   keep = runner.reject(scene, trial, McdStarts::all_six);
   const auto still = std::count(keep.begin(), keep.end(), 1);
   CHECK((still > 70 && still < 100));
+  for (Block& b : scene.b)
+    b.col(2) = b.col(0) + 0.7 * b.col(1);  // a parameter that does what others do together tells nothing new
+  CHECK(runner.reject(scene, trial, McdStarts::all_six) == keep);
+}
+
+TEST_CASE("a decision does not depend on the decisions before it") {
+  Random random(9);
+  const Scene scene(random);
+  const Trial trial = make_trial(scene, Outliers::moving, 0.2, true, random);
+  Scene other(random);
+  for (Block& b : other.b) b *= 1e5;
+  RejectorRunner fresh, used;
+  used.reject(other, trial, McdStarts::median_ball);
+  const std::vector<std::uint8_t> keep = fresh.reject(scene, trial, McdStarts::median_ball);
+  CHECK(used.reject(scene, trial, McdStarts::median_ball) == keep);
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const std::vector<float> jacobian = rows_of(scene.b[i]);
+    CHECK(used.rejector.agrees(jacobian.data(), trial.force[i]) ==
+          fresh.rejector.agrees(jacobian.data(), trial.force[i]));
+  }
+}
+
+TEST_CASE("a smaller quantile rejects more forces") {
+  Random random(10);
+  const Scene scene(random);
+  const Trial trial = make_trial(scene, Outliers::none, 0, true, random);
+  RejectorRunner runner;
+  const auto kept_with = [&](float cutoff) {
+    const std::vector<std::uint8_t> keep = runner.reject(scene, trial, McdStarts::median_ball, cutoff);
+    return std::count(keep.begin(), keep.end(), 1);
+  };
+  CHECK(kept_with(0.5f) < kept_with(0.9f));
+  CHECK(kept_with(0.9f) < kept_with(0.999f));
+}
+
+TEST_CASE("no force agrees where nothing has been decided, nor one that is no number") {
+  Random random(11);
+  const Scene scene(random);
+  const Trial trial{std::vector<Vec2>(kPoints), Parameters::Zero()};
+  RejectorRunner runner;
+  std::vector<float> jacobian = rows_of(scene.b[0]);
+  CHECK_FALSE(runner.rejector.agrees(jacobian.data(), {}));
+  runner.reject(scene, trial, McdStarts::median_ball);
+  CHECK(runner.rejector.agrees(jacobian.data(), {}));
+  CHECK_FALSE(runner.rejector.agrees(jacobian.data(), {std::numeric_limits<float>::quiet_NaN(), 0}));
+  jacobian[11] = std::numeric_limits<float>::infinity();
+  CHECK_FALSE(runner.rejector.agrees(jacobian.data(), {}));
+  jacobian[11] = 0;
+  std::vector<std::uint8_t> keep(kPoints);
+  CHECK(runner.rejector.reject(jacobian.data(), trial.force.data(), 1, kRigid, {}, keep.data()) ==
+        Status::too_few_points);
+  CHECK_FALSE(runner.rejector.agrees(jacobian.data(), {}));
+}
+
+TEST_CASE("limits beyond the largest numbers of rows and columns are those") {
+  McdLimits most, beyond;
+  most.rows = kMcdMaxRows;
+  most.columns = kForceMaxColumns;
+  beyond.rows = kMcdMaxRows + 1000;
+  beyond.columns = kForceMaxColumns + 4;
+  CHECK(measured_bytes<ForceRejector>(beyond) == measured_bytes<ForceRejector>(most));
 }
 
 TEST_CASE(
@@ -311,11 +386,8 @@ TEST_CASE(
             (i % 3 == 0 ? Vec2{6, 2} : usual) + Vec2{noise_px * random.normal(), noise_px * random.normal()};
       const std::vector<std::uint8_t> keep = runner.reject(scene, trial, McdStarts::median_ball);
       for (std::size_t i = 0; i < kPoints; ++i) {
-        float jacobian[2 * kRigid];
-        for (std::size_t k = 0; k < 2 * kRigid; ++k)
-          jacobian[k] = static_cast<float>(
-              scene.b[i](static_cast<Eigen::Index>(k / kRigid), static_cast<Eigen::Index>(k % kRigid)));
-        CHECK(runner.rejector.agrees(jacobian, trial.force[i]) == (keep[i] != 0));
+        const std::vector<float> jacobian = rows_of(scene.b[i]);
+        CHECK(runner.rejector.agrees(jacobian.data(), trial.force[i]) == (keep[i] != 0));
       }
     }
 }
@@ -333,8 +405,14 @@ TEST_CASE("few points are all kept, and bad arguments change nothing") {
   CHECK(reject(10, kRigid + 1) == Status::capacity);
   CHECK(reject(10, 0) == Status::bad_argument);
   CHECK(runner.rejector.reject(nullptr, force.data(), 40, 6, options, keep.data()) == Status::bad_argument);
-  options.cutoff = 1;
-  CHECK(reject(40, 6) == Status::bad_argument);
+  CHECK(runner.rejector.reject(jacobian.data(), nullptr, 40, 6, options, keep.data()) ==
+        Status::bad_argument);
+  CHECK(runner.rejector.reject(jacobian.data(), force.data(), 40, 6, options, nullptr) ==
+        Status::bad_argument);
+  for (const float cutoff : {0.0f, 1.0f}) {
+    options.cutoff = cutoff;
+    CHECK(reject(40, 6) == Status::bad_argument);
+  }
   options = {};
   options.noise_px = std::numeric_limits<float>::quiet_NaN();
   CHECK(reject(40, 6) == Status::bad_argument);
@@ -343,6 +421,9 @@ TEST_CASE("few points are all kept, and bad arguments change nothing") {
   force[2].x = std::numeric_limits<float>::quiet_NaN();
   CHECK(reject(29, 6) == Status::too_few_points);
   for (std::size_t i = 0; i < 29; ++i) CHECK(keep[i] == (i == 2 ? 0 : 1));
+  CHECK(reject(30, 6) == Status::too_few_points);  // 29 finite ones
+  options.noise_px = 0;
+  CHECK(reject(31, 6) == Status::ok);
   for (std::size_t bytes = 0; bytes < runner.arena.used_bytes(); bytes += 97) {
     Arena arena(runner.block.data(), bytes);
     ForceRejector other;
