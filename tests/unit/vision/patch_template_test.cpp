@@ -80,7 +80,8 @@ TEST_CASE("clipped pixels and those outside the image are masked out") {
 
 TEST_CASE("beyond the image a stored template has the pixels of the border") {
   const Picture p = render(Texture(3), {}, 40, 40);
-  for (const Vec2 x : {Vec2{2, 20}, Vec2{37, 20}, Vec2{20, 1}, Vec2{20, 38}, Vec2{0, 39}, Vec2{39, 0}}) {
+  for (const Vec2 x : {Vec2{2, 20}, Vec2{37, 20}, Vec2{20, 1}, Vec2{20, 38}, Vec2{0, 39}, Vec2{39, 0},
+                       Vec2{30, 20}, Vec2{9, 20}}) {
     CAPTURE(x.x);
     CAPTURE(x.y);
     const Stored s(p, x, kLimits);
@@ -107,6 +108,59 @@ TEST_CASE("a stored template without a warp, or with the identity, is that of th
   const Mat2 identity;
   load_template(s.at, s.pixels.data(), s.side, &identity, b.work);
   CHECK(contents(b.work) == direct);
+}
+
+TEST_CASE("wherever a template is, its mask has what is inside the image, and the stored one is the same") {
+  constexpr int kWide = 40, kHigh = 34;
+  const Picture p = render(Texture(3), {}, kWide, kHigh);
+  Bench b(11);
+  for (int y = 0; y < kHigh; y += y == 7 ? 17 : 1)
+    for (int x = 0; x < kWide; x += x == 7 ? 23 : 1) {
+      CAPTURE(x);
+      CAPTURE(y);
+      load_template(p.view(), x - 5, y - 5, b.work);
+      int wrong = 0;
+      for (int k = 0; k < 121; ++k) {
+        const int i = x - 5 + k % 11, j = y - 5 + k / 11;
+        wrong += b.work.active.m[k] != (i >= 0 && i < kWide && j >= 0 && j < kHigh);
+      }
+      CHECK(wrong == 0);
+      const std::vector<i16> direct = contents(b.work);
+      const Stored s(p, {static_cast<float>(x), static_cast<float>(y)}, kLimits);
+      load_template(s.at, s.pixels.data(), s.side, nullptr, b.work);
+      CHECK((contents(b.work) == direct));
+    }
+}
+
+TEST_CASE("a warped template's mask has what comes from between pixels of the image") {
+  constexpr int kWide = 40, kHigh = 34;
+  const Picture p = render(Texture(3), {}, kWide, kHigh);
+  Bench b(11);
+  constexpr float kHalf = 0.70710678f;
+  for (const Mat2& warp :
+       {Mat2{kHalf, -kHalf, kHalf, kHalf}, Mat2{1, 0, 0, 2.5f}, Mat2{1.2f, 0.5f, -0.3f, 0.9f}})
+    for (const Vec2 x :
+         {Vec2{20, 17}, Vec2{5, 17}, Vec2{34, 17}, Vec2{20, 5}, Vec2{20, 28}, Vec2{3, 30}, Vec2{36, 2}}) {
+      CAPTURE(x.x);
+      CAPTURE(x.y);
+      const Stored s(p, x, kLimits);
+      load_template(s.at, s.pixels.data(), s.side, &warp, b.work);
+      const float middle = static_cast<float>(s.side / 2);
+      int wrong = 0;
+      for (int k = 0; k < 121; ++k) {
+        const Vec2 at = warp * Vec2{static_cast<float>(k % 11 - 5), static_cast<float>(k / 11 - 5)};
+        const auto is_between = [middle](float offset, float centre, int size, bool* is_sure) {
+          const float low = max(-middle, -centre), high = min(middle, static_cast<float>(size - 1) - centre);
+          *is_sure = *is_sure && magnitude(offset - low) > 0.01f && magnitude(offset - high) > 0.01f;
+          return offset >= low && offset < high;
+        };
+        bool is_sure = true;
+        const bool across = is_between(at.x, x.x, kWide, &is_sure),
+                   down = is_between(at.y, x.y, kHigh, &is_sure);
+        wrong += is_sure && b.work.active.m[k] != (across && down);
+      }
+      CHECK(wrong == 0);
+    }
 }
 
 TEST_CASE("a quarter turn exchanges the axes of the grey levels") {
