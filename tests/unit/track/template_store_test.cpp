@@ -31,8 +31,8 @@ struct Rig {
   InArena<TemplateStore> templates;
   InArena<Markers> markers{std::size_t{1}};
 
-  explicit Rig(std::uint16_t patches = 40)
-      : limits(limits_of(patches)),
+  explicit Rig(std::uint16_t patches = 40, std::uint16_t region_px = 0)
+      : limits(limits_of(patches, region_px)),
         estimator(baked_face().model, estimator_limits(limits)),
         region(limits),
         templates(limits) {
@@ -44,8 +44,9 @@ struct Rig {
     l.points = static_cast<std::uint16_t>(all_points(of));
     return l;
   }
-  static TrackerLimits limits_of(std::uint16_t patches) {
+  static TrackerLimits limits_of(std::uint16_t patches, std::uint16_t region_px = 0) {
     TrackerLimits l;
+    l.region_width = l.region_height = region_px;
     l.patches = patches;
     l.key_patches = 8;
     l.key_frames = 1;
@@ -53,9 +54,9 @@ struct Rig {
     return l;
   }
   /// The region of frame k, and the estimator at its truth.
-  void see(std::size_t k) {
+  void see(std::size_t k, Vec2 centre = {160, 120}) {
     region->advance();
-    REQUIRE(region->build(film().view(k), {}) == Status::ok);
+    REQUIRE(region->build(film().view(k), centre) == Status::ok);
     if (k > 0) return;
     REQUIRE(estimator->start(film().camera, 320, 240, film().poses[0], film().parameters[0].data(), nullptr,
                              {}) == Status::ok);
@@ -181,6 +182,99 @@ TEST_CASE(
   CHECK(error / static_cast<float>(found) < 0.25f);  // measured: 0.17
 }
 
+TEST_CASE("in a region that moves over the frame, places are the frame's") {
+  Rig rig(40, 160);
+  rig.place(0, 40);
+  REQUIRE(rig.used(0, 40) > 20);
+  REQUIRE(length(rig.region->origin()) > 50);
+  rig.see(0, {180, 140});
+  REQUIRE(length(rig.region->origin() - rig.region->previous_origin()) > 20);
+  int found = 0, found_from_previous = 0;
+  for (std::size_t k = 0; k < 40; ++k) {
+    const Template& t = rig.templates.object[k];
+    if (!t.is_used) continue;
+    const Prediction p = rig.estimator->predict(t.id);
+    const auto is_there = [&](const PatchResult& r) {
+      return r.status == PatchStatus::ok && length(r.x + rig.region->origin() - t.found_at) < 0.1f;
+    };
+    found += is_there(rig.templates->match(k, rig.region.object, p.x, p.jacobian, {}, {}));
+    found_from_previous +=
+        is_there(rig.templates->match_from_previous(t.found_at, rig.region.object, p.x, {}));
+  }
+  CHECK(found > 15);
+  CHECK(found_from_previous > 15);
+}
+
+TEST_CASE("of two templates of a point that one is matched that has to be warped less") {
+  Rig rig;
+  rig.place(0, 40);
+  for (std::size_t k = 0; k < 8; ++k) rig.templates.object[k].correlation = 0.7f;
+  REQUIRE(rig.templates->capture_second(8, 40, 48, rig.estimator.object, rig.region.object) == 48);
+  for (const bool first_is_off : {true, false})
+    for (std::size_t k = 0; k < 8; ++k) {
+      Template& first = rig.templates.object[k];
+      Template& off = first_is_off ? first : rig.templates.object[first.second];
+      const Mat2 reference = off.reference;
+      off.reference = reference * Mat2{2, 0, 0, 2};  // as if it had been seen twice as large
+      const Prediction p = rig.estimator->predict(first.id);
+      const PatchResult r = rig.templates->match(k, rig.region.object, p.x, p.jacobian, {}, {});
+      CHECK(r.status == PatchStatus::ok);
+      CHECK(r.correlation > 0.99f);
+      off.reference = reference;
+    }
+}
+
+TEST_CASE("a window's depth is the mean of its bend over what the warp stretches it over, but not in front") {
+  Rig rig;
+  rig.place(0, 40);
+  InArena<KeyFrames> keys(rig.limits);
+  keys->clear();
+  Pose turned = film().poses[0];
+  turned.q = exp_rotation({0, 0.4f, 0});
+  keys->keep(0, view_of(turned, film().camera), 0, 0);
+  const KeyDepths depths{&keys.object, &rig.estimator->view()};
+  const Vec2 of_mm = depths.of(0);
+  REQUIRE(length(of_mm) > 0.3f);
+  const struct {
+    Mat2 to_template;
+    int bend[3];  // mm / kBendUnits
+    float mm;
+  } kCases[] = {
+      {{}, {16, 0, 16}, 1},
+      {{}, {32, 100, 0}, 1},
+      {{}, {-32, 0, -32}, 0},
+      {{1.2f, 0, 0, 1}, {32, 0, 0}, 1.44f},
+      {{1.2f, 0, 0, 1}, {0, 0, 32}, 1},
+      {{1, 0.3f, 0, 1}, {64, 0, 0}, 2.18f},
+      {{1, 0.3f, 0, 1}, {0, 64, 0}, 1.2f},
+      {{1, -0.3f, 0, 1}, {0, 64, 0}, 0},
+  };
+  PatchOptions options;
+  options.min_correlation = 0.5f;
+  for (const auto& c : kCases) {
+    CAPTURE(c.mm);
+    int count = 0;
+    float along = 0;  // px
+    for (std::size_t k = 0; k < 40; ++k) {
+      Template& t = rig.templates.object[k];
+      const Prediction p = rig.estimator->predict(t.id);
+      PatchResult r[2];  // as if the surface were flat, and bent
+      for (int i = 0; i < 2; ++i) {
+        for (int b = 0; b < 3; ++b) t.bend[b] = static_cast<std::int8_t>(i * c.bend[b]);
+        r[i] = rig.templates->match(k, rig.region.object, p.x, inverse(c.to_template) * t.reference, depths,
+                                    options);
+      }
+      if (r[0].status != PatchStatus::ok || r[1].status != PatchStatus::ok) continue;
+      const float off = dot(r[0].x - r[1].x, of_mm) / length(of_mm);
+      if (magnitude(off - c.mm * length(of_mm)) > 1) continue;  // one of them has found something else
+      ++count;
+      along += off;
+    }
+    REQUIRE(count > 10);
+    CHECK(magnitude(along / static_cast<float>(count) - c.mm * length(of_mm)) < 0.03f);
+  }
+}
+
 TEST_CASE("what the bend of the surface moves a window by is taken off the place of its point") {
   const FaceFilm turned(320, 240, 2, [](float s, Pose& pose, auto&) {
     pose.q = exp_rotation({0, 0.5f * s, 0});
@@ -245,6 +339,26 @@ TEST_CASE("second templates are of points with another appearance, and go with t
   rig.templates->release(5, rig.estimator.object);  // a first one: all of the point goes
   CHECK_FALSE(rig.templates.object[41].is_used);
   CHECK_FALSE(rig.estimator->has_point(id));
+}
+
+TEST_CASE("no second template is taken of a point that has one, is lost for a while, or lies outside") {
+  Rig rig;
+  rig.place(0, 40);
+  for (const std::size_t k : {1, 2, 3}) rig.templates.object[k].correlation = 0.7f;
+  rig.templates.object[1].frames_apart = 1;
+  rig.templates.object[2].found_at = {-50, 500};
+  const auto capture = [&](std::size_t first) {
+    return rig.templates->capture_second(40, first, 48, rig.estimator.object, rig.region.object);
+  };
+  REQUIRE(capture(40) == 41);
+  CHECK(rig.templates.object[3].second == 40);
+  CHECK(capture(41) == 41);
+  rig.templates->release(3, rig.estimator.object);  // the slots of both are free again
+  const Template& other = rig.templates.object[4];
+  const Vec2 x = other.found_at, uv = rig.estimator->point_uv(other.id);
+  rig.templates->release(4, rig.estimator.object);
+  for (const std::size_t slot : {std::size_t{3}, std::size_t{40}})
+    CHECK(rig.templates->capture(slot, rig.estimator.object, rig.region.object, x, uv));
 }
 
 TEST_CASE("a frame of matching: all points are searched for once, found, and noted") {
