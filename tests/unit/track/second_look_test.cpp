@@ -72,6 +72,31 @@ std::size_t frame_of_second_track(const TrackerLimits& limits) {
   return kFrames;
 }
 
+constexpr std::size_t kLong = 100;
+
+/// Runs a tracker from the end of one alignment to that of the next, and has the next look better than the start, or not.
+struct Looks {
+  FakeFaces fake{film(0, 0, kLong)};
+  InArena<Tracker> tracker{baked_face().model, limits_with_looks()};
+  std::size_t k = 0;
+
+  Looks() {
+    fake.covered_frames = 10;
+    fake.covered_error = fake.tracked_error = 0.024f;  // one better look alone proves nothing
+  }
+  /// \return false: the film has ended before.
+  bool run_to_next(bool is_better) {
+    fake.error = is_better ? 0.02f : 0.07f;
+    const int end = fake.steps + fake.steps_an_alignment;
+    bool is_over = false;
+    for (; k < kLong && !is_over; ++k) {
+      is_over = fake.steps == end;  // a new track begins in the frame after
+      update(tracker.object, film(0, 0, kLong), k);
+    }
+    return is_over;
+  }
+};
+
 }  // namespace
 
 TEST_CASE("a track that began with a covered mouth begins anew once it is seen, and no frame is lost") {
@@ -228,6 +253,40 @@ TEST_CASE("two looks that prove something together are a second apart: they see 
   const Run result = run(film(), limits_with_looks());
   CHECK(result.starts == 2);
   CHECK(result.last_start >= kSecondLookTuning.first_wait + 25);
+}
+
+TEST_CASE(
+    "looks that prove something together are in a row: one that is not better takes the first one back") {
+  Looks looks;
+  REQUIRE(looks.run_to_next(true));  // the start
+  for (const bool is_better : {true, false, true}) REQUIRE(looks.run_to_next(is_better));
+  CHECK(looks.tracker->track_number() == 1);
+}
+
+TEST_CASE("after a better look the next one comes soon, however long looks have waited before") {
+  Looks looks;
+  REQUIRE(looks.run_to_next(true));  // the start
+  REQUIRE(looks.run_to_next(false));
+  REQUIRE(looks.run_to_next(true));
+  const std::size_t first_better = looks.k;
+  REQUIRE(looks.run_to_next(true));
+  CHECK(looks.k - first_better <= kSecondLookTuning.wait_if_better + 10);
+  CHECK(looks.tracker->track_number() == 2);
+}
+
+TEST_CASE("a look of the track before proves nothing of the next one") {
+  Looks looks;
+  REQUIRE(looks.run_to_next(true));  // the start
+  REQUIRE(looks.run_to_next(true));
+  looks.fake.covered_frames = kLong;
+  REQUIRE(looks.tracker->start_by_detection({}) == Status::ok);
+  REQUIRE(looks.run_to_next(true));
+  REQUIRE(looks.tracker->track_number() == 2);
+  looks.fake.covered_frames = 10;
+  REQUIRE(looks.run_to_next(true));
+  CHECK(looks.tracker->track_number() == 2);
+  REQUIRE(looks.run_to_next(true));
+  CHECK(looks.tracker->track_number() == 3);
 }
 
 TEST_CASE("an alignment of a turned face counts only if it is sure and the start was turned, too") {
@@ -414,7 +473,6 @@ TEST_CASE(
     float turn, error;
     int alignments;  // the start, and looks that begin after 12, 24 and 48 more frames, or 12, 24, 24 and 24
   } kCases[] = {{"sure and frontal", 0, 0.02f, 4}, {"doubtful", 0, 0.035f, 5}, {"turned", 0.5f, 0.02f, 5}};
-  constexpr std::size_t kLong = 100;
   for (const auto& c : kCases) {
     CAPTURE(c.what);
     const FaceFilm& turned = film(c.turn, c.turn, kLong);
