@@ -26,16 +26,13 @@ int reflected(int i, int n) {
   return i < 0 ? -i : i >= n ? 2 * (n - 1) - i : i;
 }
 
-PLIANT_WIDE_VECTORS
-void smooth_columns(const ImageView& src, int y, std::uint16_t* __restrict line) {
-  const std::uint8_t* row[5];
-  for (int k = 0; k < 5; ++k)
-    row[k] = src.data + static_cast<std::ptrdiff_t>(reflected(y + k - kBorder, src.height)) * src.stride;
+#if PLIANT_HAS_HALFWORDS
+
+void smooth_columns(const std::uint8_t* const (&row)[5], int width, std::uint16_t* line) {
+  using namespace patch;
   const std::uint8_t *a = row[0], *b = row[1], *c = row[2], *d = row[3], *e = row[4];
   int x = 0;
-#if PLIANT_HAS_HALFWORDS
-  using namespace patch;
-  for (; x + 4 <= src.width; x += 4) {
+  for (; x + 4 <= width; x += 4) {
     const std::uint32_t wa = load_bytes(a + x), wb = load_bytes(b + x), wc = load_bytes(c + x),
                         wd = load_bytes(d + x), we = load_bytes(e + x);
     const Pair even_c = add_even_bytes(0, wc), odd_c = add_odd_bytes(0, wc);
@@ -46,8 +43,7 @@ void smooth_columns(const ImageView& src, int y, std::uint16_t* __restrict line)
     const Pair out[2] = {lowers(even, odd), uppers(even, odd)};
     std::memcpy(line + x, out, sizeof out);
   }
-#endif
-  for (; x < src.width; ++x) line[x] = static_cast<std::uint16_t>(binomial_sum(a[x], b[x], c[x], d[x], e[x]));
+  for (; x < width; ++x) line[x] = static_cast<std::uint16_t>(binomial_sum(a[x], b[x], c[x], d[x], e[x]));
 }
 
 void reflect_ends(std::uint16_t* line, int width) {
@@ -57,9 +53,7 @@ void reflect_ends(std::uint16_t* line, int width) {
   }
 }
 
-PLIANT_WIDE_VECTORS
-void smooth_and_halve_row(const std::uint16_t* __restrict line, int out_width, std::uint8_t* __restrict out) {
-#if PLIANT_HAS_HALFWORDS
+void smooth_and_halve_row(const std::uint16_t* line, int out_width, std::uint8_t* out) {
   using namespace patch;
   constexpr Pair kFirst = pair_of(1, 4), kSecond = pair_of(6, 4);
   Pair before, here;  // of the pixels -2 and -1, and of 0 and 1; sums of columns are less than 2^12
@@ -73,19 +67,73 @@ void smooth_and_halve_row(const std::uint16_t* __restrict line, int out_width, s
     before = here;
     here = after;
   }
-#else
-  for (int x = 0; x < out_width; ++x) {
-    const std::uint16_t* v = line + 2 * x;
-    out[x] = binomial_mean(v[-2], v[-1], v[0], v[1], v[2]);
-  }
-#endif
 }
+
+void halve_row(const std::uint8_t* const (&row)[5], int width, std::uint16_t* line, std::uint8_t* out) {
+  smooth_columns(row, width, line);
+  reflect_ends(line, width);
+  smooth_and_halve_row(line, (width + 1) / 2, out);
+}
+
+#else
+
+// Calls f(from, count) for parts of [0, n) that are whole vectors. The last one overlaps: its elements are computed twice.
+template <class F>
+inline void in_vectors(int n, F f) {
+  constexpr int kVector = 16;
+  for (int x = 0; x < n && n < kVector; ++x) f(x, 1);
+  if (n < kVector) return;
+  f(0, n & -kVector);
+  f(n - kVector, kVector);
+}
+
+inline std::uint16_t pair_at(const std::uint8_t* row, int x) {
+  std::uint16_t pair;
+  std::memcpy(&pair, row + 2 * x, sizeof pair);
+  return pair;
+}
+
+// Pixels are read in pairs, and the sums of even and odd columns kept apart: so no later vector takes every other element.
+inline void smooth_columns(const std::uint8_t* const (&row)[5], int from, int count,
+                           std::uint16_t* __restrict even, std::uint16_t* __restrict odd) {
+  for (int x = from; x < from + count; ++x) {
+    const std::uint16_t a = pair_at(row[0], x), b = pair_at(row[1], x), c = pair_at(row[2], x),
+                        d = pair_at(row[3], x), e = pair_at(row[4], x);
+    even[x] = static_cast<std::uint16_t>(binomial_sum(a & 255, b & 255, c & 255, d & 255, e & 255));
+    odd[x] = static_cast<std::uint16_t>(binomial_sum(a >> 8, b >> 8, c >> 8, d >> 8, e >> 8));
+  }
+}
+
+inline void smooth_row(const std::uint16_t* __restrict even, const std::uint16_t* __restrict odd, int from,
+                       int count, std::uint8_t* __restrict out) {
+  for (int x = from; x < from + count; ++x)
+    out[x] = binomial_mean(even[x - 1], odd[x - 1], even[x], odd[x], even[x + 1]);
+}
+
+PLIANT_WIDE_VECTORS
+void halve_row(const std::uint8_t* const (&row)[5], int width, std::uint16_t* line, std::uint8_t* out) {
+  const int pairs = width / 2, out_width = width - pairs, last = width - 1;
+  std::uint16_t *const even = line, *const odd = line + out_width + kBorder;
+  in_vectors(pairs, [&](int from, int count) { smooth_columns(row, from, count, even, odd); });
+  if (out_width > pairs)
+    even[pairs] = static_cast<std::uint16_t>(
+        binomial_sum(row[0][last], row[1][last], row[2][last], row[3][last], row[4][last]));
+  even[-1] = even[1];
+  odd[-1] = odd[0];
+  even[out_width] = even[pairs - 1];
+  odd[pairs] = odd[pairs - 1];
+  in_vectors(out_width, [&](int from, int count) { smooth_row(even, odd, from, count, out); });
+}
+
+#endif
 
 void halve(const ImageView& src, std::uint8_t* out, int out_width, int out_height, std::uint16_t* line) {
   for (int y = 0; y < out_height; ++y, out += out_width) {
-    smooth_columns(src, 2 * y, line);
-    reflect_ends(line, src.width);
-    smooth_and_halve_row(line, out_width, out);
+    const std::uint8_t* row[5];
+    for (int k = 0; k < 5; ++k)
+      row[k] =
+          src.data + static_cast<std::ptrdiff_t>(reflected(2 * y + k - kBorder, src.height)) * src.stride;
+    halve_row(row, src.width, line, out);
   }
 }
 
