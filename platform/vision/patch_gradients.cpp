@@ -1,5 +1,7 @@
 // A template's grey levels and gradients from a block. The gradient is Scharr's: a central difference one way, smoothed by
 // 3, 10, 3 the other way.
+#include <cstring>
+
 #include "base/wide_vectors.hpp"
 #include "vision/patch_pairs.hpp"
 #include "vision/patch_template.hpp"
@@ -37,47 +39,58 @@ void smooth3(const i16* __restrict in, int step, int count, i16* __restrict out)
     out[i] = narrow(narrow(narrow(3 * narrow(in[i] + c[i])) + narrow(10 * b[i])) >> 1);
 }
 
-// These two are not inlined: in the caller GCC forgets that nothing overlaps and finds no vectors.
+// A sixteenth of the difference.
 template <int L>
-[[gnu::noinline]] void mask_row(const i16* __restrict v, const i16* __restrict mask, i16* __restrict t,
-                                i16* __restrict m) {
-  constexpr GreyRange r = kUsableGrey;
-  for (int k = 0; k < L; ++k) {
-    const i16 use = narrow(mask[k] & (v[k] > r.lowest) & (v[k] < r.highest));
-    m[k] = use;
-    t[k] = narrow(v[k] * use);
-  }
+void subtract_row(const i16* __restrict before, const i16* __restrict after, i16* __restrict out) {
+  for (int k = 0; k < L; ++k) out[k] = narrow(narrow(after[k] - before[k]) >> 4);
 }
 
-// The difference of two smoothed neighbours, where m is 1.
-template <int L>
-[[gnu::noinline]] void gradient_row(const i16* __restrict before, const i16* __restrict after,
-                                    const i16* __restrict m, i16* __restrict out) {
-  for (int k = 0; k < L; ++k) out[k] = narrow(narrow(narrow(after[k] - before[k]) >> 4) * m[k]);
-}
-
-// `down` is the block smoothed along columns, stored one row higher. `across` is the block smoothed along rows, stored one
-// column further left.
 template <int L, int S>
-void template_rows(const i16* block, const i16* down, const i16* across, const i16* mask, int window,
-                   Template out) {
-  for (int y = 0, k = 0; y < window; ++y, k += window) {
-    mask_row<L>(block + (y + 1) * S + 1, mask + k, out.t + k, out.m + k);
-    gradient_row<L>(down + y * S, down + y * S + 2, out.m + k, out.gx + k);
-    gradient_row<L>(across + y * S, across + (y + 2) * S, out.m + k, out.gy + k);
+void subtract_rows(const i16* smooth, int step, int window, i16* out) {
+  for (int y = 0; y < window; ++y) subtract_row<L>(smooth + y * S, smooth + y * S + step, out + y * window);
+}
+
+// Differences of smoothed elements that are `step` apart, in the rows of a window.
+PLIANT_WIDE_VECTORS
+void subtract(const i16* smooth, int step, int window, i16* out) {
+  with_sizes(window, [&](auto s) { subtract_rows<s.kLanes, s.kStride>(smooth, step, window, out); });
+}
+
+// From the rows of a block to those of a window.
+PLIANT_WIDE_VECTORS
+void copy_rows(const i16* block, int window, i16* out) {
+  with_sizes(window, [&](auto s) {
+    for (int y = 0; y < window; ++y)
+      std::memcpy(out + y * window, block + y * s.kStride, s.kLanes * sizeof(i16));
+  });
+}
+
+// Leaves out what the mask leaves out, and clipped pixels.
+PLIANT_WIDE_VECTORS
+void mask_template(const i16* __restrict mask, int count, i16* __restrict t, i16* __restrict gx,
+                   i16* __restrict gy, i16* __restrict m) {
+  constexpr GreyRange r = kUsableGrey;
+  const int n = count & ~15;
+  for (int k = 0; k < n; ++k) {
+    const i16 use = narrow(mask[k] & (t[k] > r.lowest) & (t[k] < r.highest));
+    m[k] = use;
+    t[k] = narrow(t[k] * use);
+    gx[k] = narrow(gx[k] * use);
+    gy[k] = narrow(gy[k] * use);
   }
 }
 
 }  // namespace
 
-// Not for wide vectors, since it calls functions that are not inlined.
+// Not for wide vectors as a whole: where they are inlined here, GCC forgets that nothing overlaps and finds fewer vectors.
 void make_template(const i16* block, const i16* mask, int window, i16* scratch, Template out) {
   const int stride = block_stride(window);
-  i16 *down = scratch, *across = scratch + block_size(window);
-  smooth3(block, stride, window * stride, down);
-  smooth3(block, 1, (window + 2) * stride, across);
-  with_sizes(window,
-             [&](auto s) { template_rows<s.kLanes, s.kStride>(block, down, across, mask, window, out); });
+  smooth3(block, stride, window * stride, scratch);
+  subtract(scratch, 2, window, out.gx);
+  smooth3(block, 1, (window + 2) * stride, scratch);
+  subtract(scratch, 2 * stride, window, out.gy);
+  copy_rows(block + stride + 1, window, out.t);
+  mask_template(mask, padded(window), out.t, out.gx, out.gy, out.m);
 }
 
 #endif
