@@ -11,14 +11,14 @@ namespace {
 
 #if !PLIANT_HAS_HALFWORDS
 
-template <int S>
+template <int L>
 void load_row(const std::uint8_t* __restrict p, i16* __restrict out) {
-  for (int k = 0; k < S; ++k) out[k] = narrow(p[k] * kGreyScale - kGreyOffset);
+  for (int k = 0; k < L; ++k) out[k] = narrow(p[k] * kGreyScale - kGreyOffset);
 }
 
-template <int S>
+template <int L, int S>
 void load_rows(const std::uint8_t* pixels, std::ptrdiff_t stride, int count, i16* block) {
-  for (int y = 0; y < count; ++y) load_row<S>(pixels + y * stride, block + y * S);
+  for (int y = 0; y < count; ++y) load_row<L>(pixels + y * stride, block + y * S);
 }
 
 // --- bilinear: each product is t times 2^15 / 2^16, so that differences are doubled before or after ---
@@ -169,8 +169,9 @@ PLIANT_WIDE_VECTORS
 void load_block(const std::uint8_t* pixels, std::ptrdiff_t stride, int window, i16* block) {
   PLIANT_ASSERT(is_window(window) && pixels != nullptr);
   const int count = block_rows(window);
-  if (block_stride(window) == 16) load_rows<16>(pixels, stride, count, block);
-  if (block_stride(window) == 24) load_rows<24>(pixels, stride, count, block);
+  if (block_stride(window) == 16) return load_rows<16, 16>(pixels, stride, count, block);
+  load_rows<16, 24>(pixels, stride, count, block);
+  load_rows<8, 24>(pixels + 16, stride, count, block + 16);
 }
 
 PLIANT_WIDE_VECTORS
