@@ -27,16 +27,16 @@ struct TranslationSystem {
 };
 
 TranslationSystem system_of(const Template& a, int count) {
-  const Sums4 m = dot4(a.m, a.m, a.t, a.gx, a.gy, count), t = dot4(a.t, a.t, a.gx, a.gy, a.m, count);
-  const Sums4 g = dot4(a.gx, a.gx, a.gy, a.m, a.m, count);
-  TranslationSystem s{a, m.a, 1.0f / static_cast<float>(m.a > 0 ? m.a : 1), m.b, m.c, m.d, 0, {}, {}, {}};
-  s.variance_sum = centred(s.n, s.inverse_n, t.a, s.t, s.t);
+  const Sums10 p = products_of(a.m, a.t, a.gx, a.gy, count);
+  TranslationSystem s{a,  p.aa, 1.0f / static_cast<float>(p.aa > 0 ? p.aa : 1), p.ab, p.ac, p.ad, 0, {},
+                      {}, {}};
+  s.variance_sum = centred(s.n, s.inverse_n, p.bb, s.t, s.t);
   if (!(s.variance_sum > 0)) return s;
-  const Vec2 tg{centred(s.n, s.inverse_n, t.b, s.t, s.gx), centred(s.n, s.inverse_n, t.c, s.t, s.gy)};
+  const Vec2 tg{centred(s.n, s.inverse_n, p.bc, s.t, s.gx), centred(s.n, s.inverse_n, p.bd, s.t, s.gy)};
   s.light = (1.0f / s.variance_sum) * tg;
-  s.tensor.xx = centred(s.n, s.inverse_n, g.a, s.gx, s.gx) - s.light.x * tg.x;
-  s.tensor.xy = centred(s.n, s.inverse_n, g.b, s.gx, s.gy) - s.light.x * tg.y;
-  s.tensor.yy = centred(s.n, s.inverse_n, dot(a.gy, a.gy, count), s.gy, s.gy) - s.light.y * tg.y;
+  s.tensor.xx = centred(s.n, s.inverse_n, p.cc, s.gx, s.gx) - s.light.x * tg.x;
+  s.tensor.xy = centred(s.n, s.inverse_n, p.cd, s.gx, s.gy) - s.light.x * tg.y;
+  s.tensor.yy = centred(s.n, s.inverse_n, p.dd, s.gy, s.gy) - s.light.y * tg.y;
   return s;
 }
 

@@ -60,6 +60,26 @@ Sums4 dot4(const i16* __restrict v, const i16* __restrict a, const i16* __restri
 }
 
 PLIANT_WIDE_VECTORS
+Sums10 products_of(const i16* __restrict a, const i16* __restrict b, const i16* __restrict c,
+                   const i16* __restrict d, int count) {
+  const int n = count & ~15;
+  i32 aa = 0, ab = 0, ac = 0, ad = 0, bb = 0, bc = 0, bd = 0, cc = 0, cd = 0, dd = 0;
+  for (int k = 0; k < n; ++k) {
+    aa += i32{a[k]} * i32{a[k]};
+    ab += i32{a[k]} * i32{b[k]};
+    ac += i32{a[k]} * i32{c[k]};
+    ad += i32{a[k]} * i32{d[k]};
+    bb += i32{b[k]} * i32{b[k]};
+    bc += i32{b[k]} * i32{c[k]};
+    bd += i32{b[k]} * i32{d[k]};
+    cc += i32{c[k]} * i32{c[k]};
+    cd += i32{c[k]} * i32{d[k]};
+    dd += i32{d[k]} * i32{d[k]};
+  }
+  return {aa, ab, ac, ad, bb, bc, bd, cc, cd, dd};
+}
+
+PLIANT_WIDE_VECTORS
 i32 dot(const i16* __restrict v, const i16* __restrict a, int count) {
   const int n = count & ~15;
   i32 s = 0;

@@ -1,5 +1,6 @@
 #pragma once
 // Masks, products and sums over the arrays of a window.
+#include "vision/halfwords.hpp"
 #include "vision/patch_arrays.hpp"
 #include "vision/patch_tuning.hpp"
 
@@ -34,6 +35,21 @@ struct Sums4 {
 /// Sums of v times each of four arrays.
 Sums4 dot4(const i16* v, const i16* a, const i16* b, const i16* c, const i16* d, int count);
 i32 dot(const i16* v, const i16* a, int count);
+
+/// Sums of the products of four arrays.
+struct Sums10 {
+  i32 aa, ab, ac, ad, bb, bc, bd, cc, cd, dd;
+};
+#if PLIANT_HAS_HALFWORDS
+// Here, because every function that calls `dot4` beside it would get a copy of that.
+inline Sums10 products_of(const i16* a, const i16* b, const i16* c, const i16* d, int count) {
+  const Sums4 of_a = dot4(a, a, b, c, d, count), of_b = dot4(b, b, c, d, a, count),
+              of_c = dot4(c, c, d, a, a, count);
+  return {of_a.a, of_a.b, of_a.c, of_a.d, of_b.a, of_b.b, of_b.c, of_c.a, of_c.b, dot(d, d, count)};
+}
+#else
+Sums10 products_of(const i16* a, const i16* b, const i16* c, const i16* d, int count);
+#endif
 /// Sum of the squares of v where m is 1.
 i32 sum_squares(const i16* v, const i16* m, int count);
 

@@ -44,6 +44,16 @@ TEST_CASE("sums of products are exact") {
   CHECK(sum_squares(v.data(), c.data(), kCount) == plain_dot(masked, masked));
 }
 
+TEST_CASE("sums of the products of four arrays are those of two at a time") {
+  const std::vector<i16> of[] = {random_values(6, 0, 1), random_values(7, -2048, 2047),
+                                 random_values(8, -1280, 1280), random_values(9, -2000, 9)};
+  const Sums10 s = products_of(of[0].data(), of[1].data(), of[2].data(), of[3].data(), kCount);
+  const i32 sums[] = {s.aa, s.ab, s.ac, s.ad, s.bb, s.bc, s.bd, s.cc, s.cd, s.dd};
+  const i32* next = sums;
+  for (int i = 0; i < 4; ++i)
+    for (int k = i; k < 4; ++k) CHECK(*next++ == plain_dot(of[i], of[k]));
+}
+
 TEST_CASE("the largest window of the largest values does not overflow") {
   std::vector<i16> v(static_cast<std::size_t>(padded(kMaxWindow)), 0);
   for (int k = 0; k < kMaxWindow * kMaxWindow; ++k) v[static_cast<std::size_t>(k)] = -2048;
