@@ -78,13 +78,39 @@ void multiply(const WarpSystem& s, const i16* v, int from, int count, i32 (&prod
   }
 }
 
+#if !PLIANT_HAS_HALFWORDS
+
+// Products of the eight images from light on in blocks of four: those of a block with itself need each image once.
+void multiply_blocks(const i16* const* images, int count, i32 (&raw)[kUnknowns][kUnknowns + 1]) {
+  static_assert(kUnknowns + 1 - kLight == 8, "");
+  constexpr int kMiddle = kLight + 4;
+  for (int k = kLight; k <= kMiddle; k += 4) {
+    const Sums10 p = products_of(images[k], images[k + 1], images[k + 2], images[k + 3], count);
+    const i32 rows[4][4] = {
+        {p.aa, p.ab, p.ac, p.ad}, {0, p.bb, p.bc, p.bd}, {0, 0, p.cc, p.cd}, {0, 0, 0, p.dd}};
+    for (int i = 0; i < 4 && k + i < kUnknowns; ++i)
+      for (int j = i; j < 4; ++j) raw[k + i][k + j] = rows[i][j];
+  }
+  for (int k = kLight; k < kMiddle; ++k) {
+    const Sums4 p = dot4(images[k], images[kMiddle], images[kMiddle + 1], images[kMiddle + 2],
+                         images[kMiddle + 3], count);
+    const i32 row[4] = {p.a, p.b, p.c, p.d};
+    for (int j = 0; j < 4; ++j) raw[k][kMiddle + j] = row[j];
+  }
+}
+
+#endif
+
 void compute_products(int count, WarpSystem& s) {
   const i16* const mask = s.images[kUnknowns];
   s.n = dot(mask, mask, count);
   s.inverse_n = 1.0f / static_cast<float>(s.n > 0 ? s.n : 1);
   i32 raw[kUnknowns][kUnknowns + 1];  // raw[k][i], k <= i
+#if !PLIANT_HAS_HALFWORDS
+  multiply_blocks(s.images, count, raw);
+#endif
   for (int k = s.first; k < kUnknowns; ++k) {
-    multiply(s, s.images[k], k, count, raw[k]);
+    if (PLIANT_HAS_HALFWORDS || k < kLight) multiply(s, s.images[k], k, count, raw[k]);
     s.sums[k] = raw[k][kUnknowns];
   }
   for (int i = s.first; i < kUnknowns; ++i)
