@@ -31,20 +31,19 @@ Vec3 iris_of(const SeenEye& eye, const View& view, const Projector& projector) {
 }  // namespace
 
 Vec3 find_gaze(Span<const SeenEye> eyes, const View& view) {
+  if (!(camera_direction(view).z >= kTuning.least_facing)) return {};
   const Projector projector(view, true);
-  const Vec3 x = projector.rotated({1, 0, 0}), y = projector.rotated({0, 1, 0}),
-             z = projector.rotated({0, 0, 1});
-  if (!(-z.z >= kTuning.least_facing)) return {};
   Vec3 sum;  // both irises are as far from their eyeball's middle: the mean of their directions
   for (const SeenEye& eye : eyes)
     if (eye.opening_mm >= kTuning.least_opening_mm) sum = sum + iris_of(eye, view, projector);
-  return normalised(Vec3{dot(sum, x), dot(sum, y), dot(sum, z)});
+  const Vec3 r = rotation_matrix(conjugate(view.q)) * sum;  // y and z are opposite in the model (Projector::to_camera)
+  return normalised(Vec3{r.x, -r.y, -r.z});
 }
 
 // A low pass of first order, as of a step of that time: it follows about as fast at any frame rate.
-Vec3 smoothed_gaze(Vec3 gaze, Vec3 seen, std::uint32_t time_ns) {
+Vec3 smoothed_gaze(Vec3 gaze, Vec3 seen, float seconds) {
   const bool is_known = dot(gaze, gaze) > 0 && dot(seen, seen) > 0;
-  const float t = static_cast<float>(time_ns), rate = t / (t + static_cast<float>(kTuning.half_way_ns));
+  const float rate = seconds / (seconds + kTuning.half_way_s);
   return is_known ? normalised(gaze + rate * (seen - gaze)) : seen;
 }
 

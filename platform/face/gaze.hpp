@@ -1,7 +1,5 @@
 #pragma once
 // Where the eyes look, from where their pupils are seen (docs/algorithms.md, section 7.21).
-#include <cstdint>
-
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
 
@@ -34,9 +32,9 @@ struct GazeTuning {
   /// Cosine of the head's turn away from the camera beyond which nothing is seen: the readers learnt from
   /// heads within 40 degrees.
   float least_facing = 0.766f;
-  /// Time of a frame in which the gaze goes half of the way to what is seen, ns: of 25 frames a second. Eyes jump, and it follows
+  /// Time of a frame in which the gaze goes half of the way to what is seen, s: of 25 frames a second. Eyes jump, and it follows
   /// in two frames. Not tuned.
-  std::uint32_t half_way_ns = 40'000'000;
+  float half_way_s = 0.04f;
 };
 inline constexpr GazeTuning kGazeTuning{};
 
@@ -53,8 +51,8 @@ struct SeenEye {
 /// \return a unit vector in the model's axes; 0: no eye tells.
 Vec3 find_gaze(Span<const SeenEye> eyes, const View& view);
 
-/// \param gaze  of the frame before, 0: unknown. \param seen  of find_gaze. \param time_ns  since the frame before.
+/// \param gaze  of the frame before, 0: unknown. \param seen  of find_gaze. \param seconds  since the frame before.
 /// \return a unit vector, or 0 where nothing is seen.
-Vec3 smoothed_gaze(Vec3 gaze, Vec3 seen, std::uint32_t time_ns);
+Vec3 smoothed_gaze(Vec3 gaze, Vec3 seen, float seconds);
 
 }  // namespace pliant

@@ -12,9 +12,9 @@ namespace {
 
 /// Tuning of part readers in a track. Each constant: unit, reason, experiment.
 struct PartTrackingTuning {
-  /// Time between readings that a parameter has to change in, ns: not less where a clock stands still, and not so much that a
-  /// pause frees it. Round values, not tuned.
-  std::uint32_t shortest_ns = 10'000'000, longest_ns = 200'000'000;
+  /// Time between readings in which lids and gaze change, ns: not so little that they are held, and not so much that a pause frees
+  /// them. Where the clock stands still it is that of 25 frames a second. Round values, not tuned.
+  std::uint32_t shortest_ns = 10'000'000, longest_ns = 200'000'000, usual_ns = 40'000'000;
 };
 constexpr PartTrackingTuning kPartTracking{};
 
@@ -146,6 +146,7 @@ PartFit* read_at_view(TrackerParts& t, const FrameView& view, float centring) {
 std::uint32_t time_to_change(std::int64_t last_ns, std::int64_t now_ns) {
   const std::uint64_t elapsed = static_cast<std::uint64_t>(now_ns) - static_cast<std::uint64_t>(last_ns);
   if (elapsed >= kPartTracking.longest_ns) return kPartTracking.longest_ns;
+  if (elapsed == 0) return kPartTracking.usual_ns;
   const auto less = static_cast<std::uint32_t>(elapsed);
   return less < kPartTracking.shortest_ns ? kPartTracking.shortest_ns : less;
 }
@@ -156,11 +157,9 @@ void read_parts(TrackerParts& t, const FrameView& view) {
   PartPoints& points = *self.parts;
   if (t.progress.bad_frames > 0) points.gaze = {};  // what a bad frame showed there may be no eyes
   if (PartFit* const fit = read_at_view(t, view, kPartFitTuning.centring); fit != nullptr) {
-    const std::uint32_t time_ns = time_to_change(self.last_read_ns, view.time_ns);
-    fit->fit(1e-9f * static_cast<float>(time_ns), &points);
-    const bool stands_still = view.time_ns == self.last_read_ns;
-    points.gaze =
-        smoothed_gaze(points.gaze, fit->gaze(points), stands_still ? kGazeTuning.half_way_ns : time_ns);
+    const float seconds = 1e-9f * static_cast<float>(time_to_change(self.last_read_ns, view.time_ns));
+    fit->fit(seconds, &points);
+    points.gaze = smoothed_gaze(points.gaze, fit->gaze(points), seconds);
     self.last_read_ns = view.time_ns;
   }
   for (std::size_t k = 0; k < points.parameter_count; ++k)
