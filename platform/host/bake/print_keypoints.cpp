@@ -17,9 +17,9 @@ namespace {
 /// Tuning of the keypoints. Each constant: unit, reason, experiment.
 struct PrintKeypointTuning {
   int cells = 96;               ///< of the surface that is drawn, a side: flat enough for a picture
-  /// Diagonal of the surface at the finest level. Earlier 640, of an extent that was told 0.7 % too small: the scales on which all
-  /// else was tuned.
-  int most_side_px = 644;
+  /// Diagonal of the surface at the finest level: 640 of extents as they were told before, 0.7 % too small, so that the sheet of the
+  /// fixtures keeps the scales on which all else was tuned. Which starts of a print 66 px high are right changes by chance with it.
+  float most_side_px = 644.468f;
   int least_side_px = 60;       ///< and at the coarsest
   float level_ratio = 1.4142f;  ///< of scales: a descriptor stands 20 % of change
   /// Diagonals of the surface, px, at which corners are also described with half a patch: in a small print a whole one reaches
@@ -62,7 +62,7 @@ SurfaceSize size_of(const SurfaceSheet& sheet, const ChartImage& albedo) {
 
 std::vector<float> levels_of(const SurfaceSize& size) {
   std::vector<float> levels;
-  float side = std::min(static_cast<float>(kTuning.most_side_px), size.albedo_px_per_mm * size.extent_mm);
+  float side = std::min(kTuning.most_side_px, size.albedo_px_per_mm * size.extent_mm);
   for (; side >= static_cast<float>(kTuning.least_side_px) && levels.size() < kMostPrintLevels;
        side /= kTuning.level_ratio)
     levels.push_back(side / size.extent_mm);
