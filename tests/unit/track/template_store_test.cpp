@@ -3,80 +3,16 @@
 
 #include <doctest/doctest.h>
 
-#include "face_film.hpp"
-#include "model_builder.hpp"
+#include "template_rig.hpp"
 #include "track/key_frames.hpp"
 #include "track/template_matcher.hpp"
-#include "track/template_placement.hpp"
-#include "track/tracker_sizes.hpp"
+#include "track/template_tuning.hpp"
 
 namespace template_store_test {
 
 using namespace pliant;
-
-namespace {
-
-/// A head that turns a little.
-const FaceFilm& film() {
-  static const FaceFilm* one = new FaceFilm(320, 240, 4, [](float s, Pose& pose, auto&) {
-    pose.q = exp_rotation({0, 0.12f * s, 0});
-  });
-  return *one;
-}
-
-struct Rig {
-  TrackerLimits limits;
-  InArena<Estimator> estimator;
-  InArena<FrameRegion> region;
-  InArena<TemplateStore> templates;
-  InArena<Markers> markers{std::size_t{1}};
-
-  explicit Rig(std::uint16_t patches = 40, std::uint16_t region_px = 0)
-      : limits(limits_of(patches, region_px)),
-        estimator(baked_face().model, estimator_limits(limits)),
-        region(limits),
-        templates(limits) {
-    templates->clear();
-    see(0);
-  }
-  static EstimatorLimits estimator_limits(const TrackerLimits& of) {
-    EstimatorLimits l;
-    l.points = static_cast<std::uint16_t>(all_points(of));
-    return l;
-  }
-  static TrackerLimits limits_of(std::uint16_t patches, std::uint16_t region_px = 0) {
-    TrackerLimits l;
-    l.region_width = l.region_height = region_px;
-    l.patches = patches;
-    l.key_patches = 8;
-    l.key_frames = 1;
-    l.curve_points = 0;
-    return l;
-  }
-  /// The region of frame k, and the estimator at its truth.
-  void see(std::size_t k, Vec2 centre = {160, 120}) {
-    region->advance();
-    REQUIRE(region->build(film().view(k), centre) == Status::ok);
-    if (k > 0) return;
-    REQUIRE(estimator->start(film().camera, 320, 240, film().poses[0], film().parameters[0].data(), nullptr,
-                             {}) == Status::ok);
-  }
-  void place(std::size_t first, std::size_t end) {
-    InArena<TemplatePlacement> placement(limits);
-    std::vector<std::uint64_t> scratch(TemplatePlacement::scratch_bytes(limits) / 8 + 4);
-    auto* block = reinterpret_cast<unsigned char*>(scratch.data());
-    block += (16 - reinterpret_cast<std::uintptr_t>(block) % 16) % 16;
-    placement->set_scratch({block, TemplatePlacement::scratch_bytes(limits)});
-    placement->place(templates.object, estimator.object, region.object, markers.object, first, end);
-  }
-  std::size_t used(std::size_t first, std::size_t end) const {
-    std::size_t n = 0;
-    for (std::size_t k = first; k < end; ++k) n += templates.object[k].is_used;
-    return n;
-  }
-};
-
-}  // namespace
+using template_rig::film;
+using template_rig::Rig;
 
 TEST_CASE("templates are placed at corners of the visible surface, apart from each other") {
   Rig rig;
