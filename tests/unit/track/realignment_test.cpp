@@ -4,6 +4,9 @@
 
 #include <doctest/doctest.h>
 
+#include <functional>
+
+#include "face/turned_picture.hpp"
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
 #include "track/second_look.hpp"
@@ -39,6 +42,45 @@ const FaceFilm& changed_film() {
   static const FaceFilm* made = new FaceFilm(film_of(kFrames));
   return *made;
 }
+
+/// The same, but it comes back as the face of another person.
+const FaceFilm& film_of_another() {
+  static const FaceFilm* made = new FaceFilm(film_of(kFrames, "noseLength"));
+  return *made;
+}
+
+/// In dim light from frame kChange on, which no template matches either; it is no other picture.
+const FaceFilm& dim_film() {
+  static const FaceFilm* made = [] {
+    auto* film = new FaceFilm(film_of(kChange));
+    for (std::size_t k = kChange; k < kFrames; ++k)
+      for (std::uint8_t& grey : film->frames[k]) grey = static_cast<std::uint8_t>(100 + grey / 10);
+    return film;
+  }();
+  return *made;
+}
+
+/// A tracker that has tracked a film up to frame kChange.
+struct Tracked {
+  const FaceFilm& film;
+  FakeFaces fake{film};
+  InArena<Tracker> tracker;
+  float eyes_px;
+
+  explicit Tracked(const FaceFilm& of, const TrackerLimits& limits = limits_with_looks())
+      : film(of),
+        tracker(baked_face().model, limits),
+        eyes_px(length(of.truth("ibug45", kChange) - of.truth("ibug36", kChange))) {
+    for (std::size_t k = 0; k < kChange; ++k) update(tracker.object, film, k);
+  }
+  TrackState state(std::size_t k) { return update(tracker.object, film, k).state; }
+  /// Alignments from the last place end elsewhere from now on, and the mean face is seen surely where the face is.
+  void cut() {
+    fake.refined_too_low_px = 1.5f * kRealignmentTuning.most_disagreement * eyes_px;
+    fake.held_error = 0.06f;
+    fake.error = 0.02f;
+  }
+};
 
 /// What a tracker that starts by itself makes of a film.
 struct Run {
@@ -152,7 +194,6 @@ TEST_CASE(
     "where the mean face comes out elsewhere, surely, and stays in the next frame, it is tracked there; else "
     "it is looked for, since the picture is another one") {
   const float held_error = 0.06f, sure = kRealignmentTuning.sure_error_ratio * held_error;
-  const FaceFilm of_another = film_of(kFrames, "noseLength");
   const struct {
     std::string what;
     const FaceFilm& film;
@@ -161,7 +202,7 @@ TEST_CASE(
     bool is_another;
   } kCases[] = {
       {"the same person", changed_film(), 0.99f * sure, 0.999f, 0, TrackState::tracking, false},
-      {"another person", of_another, 0.99f * sure, 0.999f, 0, TrackState::degraded, true},
+      {"another person", film_of_another(), 0.99f * sure, 0.999f, 0, TrackState::degraded, true},
       {"not surely", changed_film(), 1.01f * sure, 0.999f, 0, TrackState::lost, false},
       {"hardly a face", changed_film(), 0.99f * sure, kRealignmentTuning.least_sure_score - 0.01f, 0,
        TrackState::lost, false},
@@ -187,6 +228,129 @@ TEST_CASE(
     CHECK(tracker->track_number() == track + c.is_another);
     CHECK(tracker->person_number() == person + c.is_another);
     if (c.state != TrackState::lost) CHECK(c.film.landmark_error(tracker.object, k) < 0.7f);
+  }
+}
+
+TEST_CASE(
+    "a mean face that comes out elsewhere has to be sure in both frames, alike, and confirmed with the "
+    "person") {
+  constexpr float kUnsure = kRealignmentTuning.least_sure_score - 0.01f,
+                  kBad = kRealignmentTuning.most_error + 0.001f;
+  const struct {
+    std::string what;
+    std::function<void(FakeFaces&)> first, second;  // before either frame
+    float size = 1;                                 // of the face in the second frame
+    bool is_tracked = false;
+  } kCases[] = {
+      {"sure", {}, {}, 1, true},
+      {"hardly larger", {}, {}, 0.99f * kRealignmentTuning.most_box_ratio, true},
+      {"unsure in the first", [](FakeFaces& f) { f.score = kUnsure; },
+       [](FakeFaces& f) { f.score = 0.999f; }},
+      {"unsure in the second", {}, [](FakeFaces& f) { f.score = kUnsure; }},
+      {"bad in the second", {}, [](FakeFaces& f) { f.error = kBad; }},
+      {"bad with the person", {}, [](FakeFaces& f) { f.held_error = kBad; }},
+      {"larger", {}, {}, 1.01f * kRealignmentTuning.most_box_ratio},
+      {"elsewhere with the person", {}, [](FakeFaces& f) { f.restless_px = -2, f.alignments |= 1; }},
+  };
+  for (const auto& c : kCases) {
+    CAPTURE(c.what);
+    FaceFilm film = changed_film();
+    film.poses[kChange].t.x = film.poses[kChange + 1].t.x = film.poses[kChange - 1].t.x + 3;
+    film.poses[kChange + 1].t = (1 / c.size) * film.poses[kChange].t;
+    Tracked t(film);
+    t.cut();
+    if (c.first) c.first(t.fake);
+    CHECK(t.state(kChange) == TrackState::degraded);
+    if (c.second) c.second(t.fake);
+    CHECK(t.state(kChange + 1) == (c.is_tracked ? TrackState::tracking : TrackState::lost));
+  }
+}
+
+TEST_CASE(
+    "a face that has moved is tracked at once where the mean face is there, too, however much surer that "
+    "is") {
+  FaceFilm film = dim_film();
+  Tracked t(film);
+  film.poses[kChange].t.x += 0.1f * t.eyes_px * film.poses[kChange].t.z / film.camera.f;
+  t.fake.held_error = 0.06f;
+  const int before = t.fake.alignments;
+  CHECK(t.state(kChange) == TrackState::tracking);
+  CHECK(t.fake.alignments == before + 2);
+}
+
+TEST_CASE(
+    "another place is looked at once: if the face is not there, the next frame begins at the last one "
+    "again") {
+  Tracked t(dim_film());
+  t.cut();
+  CHECK(t.state(kChange) == TrackState::degraded);
+  t.fake.score = kRealignmentTuning.least_sure_score - 0.01f;
+  CHECK(t.state(kChange + 1) == TrackState::degraded);
+  t.fake.score = 0.999f;
+  CHECK(t.state(kChange + 2) != TrackState::tracking);
+  CHECK(t.state(kChange + 3) == TrackState::tracking);
+}
+
+TEST_CASE(
+    "where another person is, a track begins at their landmarks: at once, if the last picture is not kept") {
+  TrackerLimits limits = limits_with_looks();
+  limits.keeps_previous = false;
+  Tracked t(film_of_another(), limits);
+  t.cut();
+  CHECK(t.state(kChange) == TrackState::degraded);
+  CHECK(t.state(kChange + 1) == TrackState::tracking);
+  CHECK(t.tracker->track_number() == 2);
+  for (const char* name : {"ibug30", "ibug48", "ibug57"}) {
+    Vec2 x;
+    REQUIRE(t.tracker->landmark(name, &x) == Status::ok);
+    CHECK(length(x - t.film.truth(name, kChange + 1)) < 1);
+  }
+}
+
+TEST_CASE("where hardly a face is seen no mean face is aligned; else with the roll of the head") {
+  const FaceFilm film(
+      320, 240, 2,
+      [](float, Pose& pose, auto&) {
+        pose.q = exp_rotation({0, 0, roll_of_turn(2)});
+      },
+      0.5f);
+  FaceFilm changed = film;
+  for (std::uint8_t& grey : changed.frames[1]) grey = static_cast<std::uint8_t>(255 - grey);
+  for (const bool is_seen : {true, false}) {
+    FakeFaces fake(changed);
+    InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+    CHECK(update(tracker.object, changed, 0).state == TrackState::tracking);
+    fake.held_error = kRealignmentTuning.most_error + 0.001f;
+    fake.score = kRealignmentTuning.least_seen_score + (is_seen ? 0.001f : -0.001f);
+    const int before = fake.alignments;
+    fake.roll = -1;
+    update(tracker.object, changed, 1);
+    CHECK(fake.alignments == before + 1 + is_seen);
+    if (is_seen) CHECK(fake.roll == roll_of_turn(2));
+  }
+}
+
+TEST_CASE("frames in which nothing is seen are counted anew after an aligned one") {
+  Tracked t(dim_film());
+  for (std::size_t k = kChange; k < kChange + 12; ++k) {
+    const bool is_seen = k % 4 == 3;
+    t.fake.score = is_seen ? 0.999f : 0.01f;
+    CHECK((t.state(k) == TrackState::tracking) == is_seen);
+    CHECK(t.tracker->is_started());
+  }
+}
+
+TEST_CASE("a track that begins anew has the error of the alignment that it begins with") {
+  for (const bool is_another : {false, true}) {
+    CAPTURE(is_another);
+    Tracked t(is_another ? film_of_another() : changed_film());
+    t.fake.held_error = 0.03f;
+    t.fake.error = 0.045f;
+    t.fake.tracked_error = 0.06f;
+    std::size_t k = kChange;
+    FrameResult result;
+    while (t.tracker->track_number() == 1 && k < kFrames) result = update(t.tracker.object, t.film, k++);
+    CHECK(result.landmark_error == (is_another ? t.fake.error : t.fake.held_error));
   }
 }
 
@@ -271,7 +435,7 @@ TEST_CASE("a new track takes its edges once, also with so few templates that it 
 TEST_CASE(
     "that track is of another person, if the face has surely become theirs and the caller has not said whose "
     "it is") {
-  const FaceFilm film = film_of(kFrames, "noseLength");
+  const FaceFilm& film = film_of_another();
   FakeFaces fake(film);
   InArena<Tracker> tracker(baked_face().model, limits_with_looks());
   bool is_another = false;

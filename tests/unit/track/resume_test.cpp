@@ -97,6 +97,22 @@ TEST_CASE("a resumed track that moves to the face keeps the saved values of para
   }
 }
 
+TEST_CASE(
+    "a track that is resumed stays where it was saved for a caller who places markers, or a face that has "
+    "not moved") {
+  FakeFaces fake(film());
+  const Saved before = saved(0);
+  TrackerLimits limits = limits_with_looks();
+  limits.markers = 1;
+  const Vec2 marker = film().truth("ibug30", kSaved);
+  for (const bool has_marker : {true, false}) {
+    InArena<Tracker> tracker(baked_face().model, limits);
+    const std::size_t k = has_marker ? kSaved + 10 : kSaved;
+    REQUIRE(tracker->start_from_state(film().view(k), before.state, {}, {&marker, has_marker}) == Status::ok);
+    CHECK(length(tracker->result().pose.t - before.state.pose.t) == 0);
+  }
+}
+
 TEST_CASE("a track that is resumed where no alignment is sure begins where it was saved") {
   FakeFaces fake(film());
   const Saved before = saved(0);
