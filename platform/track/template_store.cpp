@@ -145,12 +145,8 @@ void TemplateStore::release(std::size_t slot, Estimator& estimator) {
     templates_[t.first].second = kNoSlot;
   } else {
     estimator.remove_point(t.id);
-    if (t.second != kNoSlot) {
-      patches_.release(t.second);
-      templates_[t.second].is_used = false;
-    }
+    if (t.second != kNoSlot) templates_[t.second].is_used = false;
   }
-  patches_.release(static_cast<int>(slot));
   t.is_used = false;
 }
 

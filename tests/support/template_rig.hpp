@@ -31,7 +31,9 @@ struct Rig {
   InArena<Markers> markers{std::size_t{1}};
 
   explicit Rig(std::uint16_t patches = 40, std::uint16_t region_px = 0)
-      : limits(limits_of(patches, region_px)),
+      : Rig(limits_of(patches, region_px)) {}
+  explicit Rig(const TrackerLimits& of)
+      : limits(of),
         estimator(baked_face().model, estimator_limits(limits)),
         region(limits),
         templates(limits) {
@@ -60,13 +62,14 @@ struct Rig {
     REQUIRE(estimator->start(film().camera, 320, 240, film().poses[0], film().parameters[0].data(), nullptr,
                              {}) == Status::ok);
   }
-  void place(std::size_t first, std::size_t end) {
+  std::size_t place(std::size_t first, std::size_t end, std::size_t tries = TemplatePlacement::kAllCorners) {
     InArena<TemplatePlacement> placement(limits);
     std::vector<std::uint64_t> scratch(TemplatePlacement::scratch_bytes(limits) / 8 + 4);
     auto* block = reinterpret_cast<unsigned char*>(scratch.data());
     block += (16 - reinterpret_cast<std::uintptr_t>(block) % 16) % 16;
     placement->set_scratch({block, TemplatePlacement::scratch_bytes(limits)});
-    placement->place(templates.object, estimator.object, region.object, markers.object, first, end);
+    return placement->place(templates.object, estimator.object, region.object, markers.object, first, end,
+                            tries);
   }
   std::size_t used(std::size_t first, std::size_t end) const {
     std::size_t n = 0;

@@ -4,7 +4,6 @@
 #include <doctest/doctest.h>
 
 #include "template_rig.hpp"
-#include "track/key_frames.hpp"
 #include "track/template_matcher.hpp"
 #include "track/template_tuning.hpp"
 
@@ -52,6 +51,58 @@ TEST_CASE("where limits name more templates, they lie closer together") {
   many.place(0, 400);
   CHECK(few.used(0, 100) > 95);
   CHECK(many.used(0, 400) > 2.5f * static_cast<float>(few.used(0, 100)));
+}
+
+TEST_CASE(
+    "templates that were found keep their cell to themselves, those that were lost keep no others away") {
+  for (const bool are_found : {true, false}) {
+    CAPTURE(are_found);
+    Rig rig(300, 160);
+    rig.place(0, 60);
+    REQUIRE(rig.used(0, 60) == 60);
+    for (std::size_t k = 0; k < 60; ++k) {
+      rig.templates.object[k].was_found = are_found;
+      if (are_found) rig.templates.object[k].found_at.x += 2.2f;  // no longer at the cell's corner
+    }
+    rig.place(60, 300);
+    REQUIRE(rig.used(60, 300) > 60);
+    const auto cell = [&](const Template& t) {
+      const Vec2 x = t.found_at - rig.region->origin();
+      const int side = cell_px_of(rig.limits);
+      return std::pair(static_cast<int>(x.x) / side, static_cast<int>(x.y) / side);
+    };
+    int shared = 0;
+    for (std::size_t k = 60; k < 60 + rig.used(60, 300); ++k)
+      for (std::size_t old = 0; old < 60; ++old)
+        shared += cell(rig.templates.object[k]) == cell(rig.templates.object[old]);
+    CHECK((shared > 0) == !are_found);
+  }
+}
+
+TEST_CASE("a template that was found outside of the region is in no cell of it") {
+  Rig rig(40, 160);
+  rig.place(0, 8);
+  for (std::size_t k = 0; k < 8; ++k) rig.templates.object[k].found_at = {3e7f, 3e7f};
+  rig.place(8, 40);
+  CHECK(rig.used(0, 40) == 40);
+}
+
+TEST_CASE("templates are tried at so many corners at most, and at none of them twice") {
+  Rig rig;
+  CHECK(rig.place(0, 40, 5) == 5);
+  CHECK(rig.used(0, 40) <= 5);
+  static std::vector<Vec2> asked;
+  asked.clear();
+  Rig other;
+  other.templates->set_check({nullptr, [](void*, const FrameRegion&, Vec2, const Prediction& seen) {
+                                asked.push_back(seen.x);
+                                return false;
+                              }});
+  CHECK(other.place(0, 40) >= asked.size());
+  REQUIRE(asked.size() > 50);
+  for (std::size_t k = 0; k < asked.size(); ++k)
+    for (std::size_t before = 0; before < k; ++before)
+      if (length(asked[k] - asked[before]) < 0.5f) FAIL_CHECK("twice at one corner");
 }
 
 TEST_CASE("a marker behind the camera keeps no template away") {
@@ -160,98 +211,68 @@ TEST_CASE("of two templates of a point that one is matched that has to be warped
     }
 }
 
-TEST_CASE("a window's depth is the mean of its bend over what the warp stretches it over, but not in front") {
+TEST_CASE(
+    "no template is captured off the surface, where it turns away or is hidden, or where the check says no") {
   Rig rig;
-  rig.place(0, 40);
-  InArena<KeyFrames> keys(rig.limits);
-  keys->clear();
   Pose turned = film().poses[0];
-  turned.q = exp_rotation({0, 0.4f, 0});
-  keys->keep(0, view_of(turned, film().camera), 0, 0);
-  const KeyDepths depths{&keys.object, &rig.estimator->view()};
-  const Vec2 of_mm = depths.of(0);
-  REQUIRE(length(of_mm) > 0.3f);
-  const struct {
-    Mat2 to_template;
-    int bend[3];  // mm / kBendUnits
-    float mm;
-  } kCases[] = {
-      {{}, {16, 0, 16}, 1},
-      {{}, {32, 100, 0}, 1},
-      {{}, {-32, 0, -32}, 0},
-      {{1.2f, 0, 0, 1}, {32, 0, 0}, 1.44f},
-      {{1.2f, 0, 0, 1}, {0, 0, 32}, 1},
-      {{1, 0.3f, 0, 1}, {64, 0, 0}, 2.18f},
-      {{1, 0.3f, 0, 1}, {0, 64, 0}, 1.2f},
-      {{1, -0.3f, 0, 1}, {0, 64, 0}, 0},
+  turned.q = exp_rotation({0, 0.6f, 0});
+  REQUIRE(rig.estimator->start(film().camera, 320, 240, turned, film().parameters[0].data(), nullptr, {}) ==
+          Status::ok);
+  int refused[3] = {}, captured = 0;  // off the surface, turned away, hidden
+  const auto try_at = [&](Vec2 uv, Vec2 x) {
+    const bool is_captured = rig.templates->capture(0, rig.estimator.object, rig.region.object, x, uv);
+    if (is_captured) rig.templates->release(0, rig.estimator.object);
+    return is_captured;
   };
-  PatchOptions options;
-  options.min_correlation = 0.5f;
-  for (const auto& c : kCases) {
-    CAPTURE(c.mm);
-    int count = 0;
-    float along = 0;  // px
-    for (std::size_t k = 0; k < 40; ++k) {
-      Template& t = rig.templates.object[k];
-      const Prediction p = rig.estimator->predict(t.id);
-      PatchResult r[2];  // as if the surface were flat, and bent
-      for (int i = 0; i < 2; ++i) {
-        for (int b = 0; b < 3; ++b) t.bend[b] = static_cast<std::int8_t>(i * c.bend[b]);
-        r[i] = rig.templates->match(k, rig.region.object, p.x, inverse(c.to_template) * t.reference, depths,
-                                    options);
+  for (int i = 1; i < 40; ++i)
+    for (int j = 1; j < 40; ++j) {
+      const Vec2 uv{static_cast<float>(i) / 40, static_cast<float>(j) / 40};
+      std::uint16_t id;
+      REQUIRE(rig.estimator->add_point(uv, &id) == Status::ok);
+      const Prediction p = rig.estimator->predict(id);
+      rig.estimator->remove_point(id);
+      const bool is_on = rig.estimator->model().is_on_surface(uv);
+      const bool is_facing = p.facing > kTemplateStoreTuning.least_facing;
+      if (is_on && is_facing && p.visible) {
+        captured += try_at(uv, p.x);
+        continue;
       }
-      if (r[0].status != PatchStatus::ok || r[1].status != PatchStatus::ok) continue;
-      const float off = dot(r[0].x - r[1].x, of_mm) / length(of_mm);
-      if (magnitude(off - c.mm * length(of_mm)) > 1) continue;  // one of them has found something else
-      ++count;
-      along += off;
+      CHECK_FALSE(try_at(uv, p.x));
+      refused[0] += !is_on && is_facing && p.visible;
+      refused[1] += is_on && !is_facing && p.visible;
+      refused[2] += is_on && is_facing && !p.visible;
     }
-    REQUIRE(count > 10);
-    CHECK(magnitude(along / static_cast<float>(count) - c.mm * length(of_mm)) < 0.03f);
-  }
+  for (const int count : refused) CHECK(count > 5);
+  CHECK(captured > 100);
+  rig.templates->set_check(
+      {nullptr, [](void*, const FrameRegion&, Vec2, const Prediction&) { return false; }});
+  rig.place(0, 40);
+  CHECK(rig.used(0, 40) == 0);
 }
 
-TEST_CASE("what the bend of the surface moves a window by is taken off the place of its point") {
-  const FaceFilm turned(320, 240, 2, [](float s, Pose& pose, auto&) {
-    pose.q = exp_rotation({0, 0.5f * s, 0});
-  });
-  Rig rig;
-  rig.place(0, 40);
-  InArena<KeyFrames> keys(rig.limits);
-  keys->clear();
-  keys->keep(0, rig.estimator->view(), 0, 0);
-  std::vector<Vec2> uv;
-  for (std::size_t k = 0; k < 40; ++k) uv.push_back(rig.estimator->point_uv(rig.templates.object[k].id));
-  REQUIRE(rig.region->build(turned.view(1), {}) == Status::ok);
-  REQUIRE(rig.estimator->start(turned.camera, 320, 240, turned.poses[1], turned.parameters[1].data(), nullptr,
-                               {}) == Status::ok);
-  PatchOptions options;
-  options.min_correlation = 0.8f;
-  options.start_sd_px = 1;
-  const KeyDepths depths{&keys.object, &rig.estimator->view()};
-  float along[2] = {};
-  std::size_t found = 0;
-  for (std::size_t k = 0; k < 40; ++k) {
-    std::uint16_t id;
-    REQUIRE(rig.estimator->add_point(uv[k], &id) == Status::ok);
-    const Prediction p = rig.estimator->predict(id);
-    float error[2];  // px, along the motion: as if the surface were flat, and with its bend
-    Template& t = rig.templates.object[k];
-    const Template bent = t;
-    for (int i = 0; i < 2; ++i) {
-      for (int b = 0; b < 3; ++b) t.bend[b] = i == 0 ? std::int8_t{0} : bent.bend[b];
-      const PatchResult r = rig.templates->match(k, rig.region.object, p.x, p.jacobian, depths, options);
-      error[i] = p.visible && r.status == PatchStatus::ok ? (r.x + rig.region->origin() - p.x).x : 1e3f;
-    }
-    if (magnitude(error[0]) > 2 || magnitude(error[1]) > 2) continue;  // not found, or something else
-    ++found;
-    for (int i = 0; i < 2; ++i) along[i] += error[i];
-  }
-  REQUIRE(found > 12);
-  MESSAGE(found << " found; off by " << along[0] / static_cast<float>(found) << " px, "
-                << along[1] / static_cast<float>(found) << " px with the bend");
-  CHECK(along[0] > 0.2f * static_cast<float>(found));              // measured: 0.31 px
-  CHECK(magnitude(along[1]) < 0.15f * static_cast<float>(found));  // 0.07 px
+TEST_CASE("the memory of templates is that of the limits: levels, margin, and warped ones if they are kept") {
+  const auto bytes = [](auto change) {
+    TrackerLimits limits = Rig::limits_of(40);
+    change(limits);
+    return static_cast<double>(measured_bytes<TemplateStore>(limits)) /
+           static_cast<double>(all_slots(limits));
+  };
+  const TrackerLimits usual = Rig::limits_of(40);
+  const auto of_slot = [](const TrackerLimits& l, int margin, int levels) {
+    PatchLimits p;
+    p.window = l.patch_window;
+    p.margin = static_cast<decltype(p.margin)>(margin);
+    p.levels = levels;
+    return patch_slot_bytes(p);
+  };
+  const double all = bytes([](TrackerLimits&) {});
+  const int slot = of_slot(usual, usual.patch_margin, usual.pyramid_levels);
+  CHECK(all - bytes([](TrackerLimits& l) { l.patch_margin = 0; }) ==
+        doctest::Approx(slot - of_slot(usual, 0, usual.pyramid_levels)).epsilon(0.02));
+  CHECK(all - bytes([](TrackerLimits& l) { l.pyramid_levels = 1; }) ==
+        doctest::Approx(slot - of_slot(usual, usual.patch_margin, 1)).epsilon(0.02));
+  CHECK(bytes([](TrackerLimits& l) { l.keeps_templates = !l.keeps_templates; }) !=
+        doctest::Approx(all).epsilon(0.2));
 }
 
 TEST_CASE("second templates are of points with another appearance, and go with their first one") {
@@ -295,6 +316,22 @@ TEST_CASE("no second template is taken of a point that has one, is lost for a wh
   rig.templates->release(4, rig.estimator.object);
   for (const std::size_t slot : {std::size_t{3}, std::size_t{40}})
     CHECK(rig.templates->capture(slot, rig.estimator.object, rig.region.object, x, uv));
+}
+
+TEST_CASE("no second template is taken of a point that is hidden now") {
+  Rig rig;
+  rig.place(0, 40);
+  for (std::size_t k = 0; k < 40; ++k) rig.templates.object[k].correlation = 0.7f;
+  State turned;
+  turned.pose = film().poses[0];
+  turned.pose.q = exp_rotation({0, 1.2f, 0});
+  std::vector<float> q = film().parameters[0];
+  turned.q = q.data();
+  REQUIRE(rig.estimator->restore(turned) == Status::ok);
+  std::size_t seen = 0;
+  for (std::size_t k = 0; k < 8; ++k) seen += rig.estimator->predict(rig.templates.object[k].id).visible;
+  REQUIRE(seen < 8);
+  CHECK(rig.templates->capture_second(8, 40, 48, rig.estimator.object, rig.region.object) == 40 + seen);
 }
 
 TEST_CASE("a frame of matching: all points are searched for once, found, and noted") {
