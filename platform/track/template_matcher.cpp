@@ -66,10 +66,7 @@ void TemplateMatcher::begin_frame(std::uint32_t frame, bool is_trusted, float co
   coarse_px_ = coarse_px;
   had_first_pass_ = false;
   work_ = {};
-  for (std::size_t k = 0; k < capacity_; ++k) {
-    searches_[k].is_pending = true;
-    searches_[k].is_first_pass = false;
-  }
+  for (std::size_t k = 0; k < capacity_; ++k) searches_[k].is_pending = true;
 }
 
 /// \param ratio  points found in the last frame, for each in the first pass.
@@ -110,7 +107,7 @@ std::size_t TemplateMatcher::match(const MatchFrame& frame, const PredictionTabl
     Observation& o = frame.observations[search.observation];
     const bool has_work_left = work_.search_steps < most_steps_;
     if (!has_work_left && search.is_pending) o = not_found(p.id, Reason::not_visible);
-    const Action next = has_work_left ? action(search, o, p, round) : Action::none;
+    const Action next = has_work_left ? action(search, o, p) : Action::none;
     if (next == Action::search) search_for(frame, k, p, round);
     if (next == Action::track_from_previous) o = track_from_previous(frame, k, p);
     searched += next != Action::none;
@@ -122,9 +119,8 @@ std::size_t TemplateMatcher::match(const MatchFrame& frame, const PredictionTabl
 /// Decides whether to search again. A new search is useful if the point was not found, if it was found away from the new
 /// prediction, or if the warp of its template has changed.
 TemplateMatcher::Action TemplateMatcher::action(const Search& search, const Observation& last,
-                                                const Prediction& p, int round) const {
+                                                const Prediction& p) const {
   if (search.is_pending) return Action::search;
-  if (round == 0) return Action::none;
   if (!p.visible) return last.reason == Reason::not_visible ? Action::none : Action::search;
   if (strain(p.jacobian, search.jacobian) * half_window_ > kTuning.rematch_warp_px) return Action::search;
   const bool was_found = last.reason == Reason::found || last.reason == Reason::rejected;

@@ -178,9 +178,12 @@ TEST_CASE("a search reaches as far as the last frame and the coarse translation 
     m.move_frame(2, {0, moved_px});
     CHECK(m.search(3, {5, 0}) >= most);
   }
-  m.still_frame(2);
+  m.move_frame(2, {0, 0.1f});
   for (std::size_t k = 0; k < m.count(); ++k) m.point(k).was_found = false;
   CHECK(m.search(3, kFar) >= most);  // where they are is not known
+  m.move_frame(2, {0, 0.1f});
+  m.matcher->start(true);  // another track
+  CHECK(m.search(3, kFar) >= most);
 }
 
 TEST_CASE("what the last solve left of a point is expected again, and is no surprise") {
@@ -223,6 +226,21 @@ TEST_CASE("points outside of the region, at its border, or hidden have no place,
   CHECK(m.seen[2].reason == Reason::not_visible);
   CHECK(m.seen[3].reason == Reason::found);
   CHECK(m.matcher->observation_count() == m.count());
+  m.matcher->limit_steps(0);
+  CHECK(m.search(2, {}) == 0);
+  for (std::size_t k = 0; k < m.count(); ++k) CHECK(m.seen[k].reason == Reason::not_visible);
+}
+
+TEST_CASE("a later search of a frame reaches less far than its first one") {
+  Match m;
+  m.still_frame(1);
+  REQUIRE(m.search(2, {}) == m.count());
+  for (std::size_t k = 0; k < m.count(); ++k) m.seen[k].reason = Reason::diverged;
+  m.predict({1.5f * kTuning.later_reach_px, 0});
+  m.match(1);
+  for (std::size_t k = 0; k < m.count(); ++k)
+    CHECK_FALSE((m.seen[k].reason == Reason::found && m.seen[k].cue == Cue::patch &&
+                 length(m.seen[k].x - m.at[k]) < 0.3f));
 }
 
 TEST_CASE("a match that is hardly like its template counts in the first round only") {
@@ -245,6 +263,28 @@ TEST_CASE("a match that is hardly like its template counts in the first round on
   CHECK(least() >= kTuning.min_correlation - kTuning.early_correlation_slack);
   m.match(1);
   CHECK(least() >= kTuning.min_correlation);
+}
+
+TEST_CASE(
+    "where the last round's search finds no template the point is followed, if tracking back returns to it") {
+  Match m;
+  m.still_frame(1);
+  Random random(3);
+  std::vector<std::uint8_t> noisy = film().frames[0];
+  for (std::uint8_t& grey : noisy)
+    grey = static_cast<std::uint8_t>(
+        clamp(0.35f * static_cast<float>(grey) + 80 + 25 * random.normal(), 0, 255));
+  const auto count_with = [&](Reason reason) {
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < m.count(); ++k) n += m.seen[k].reason == reason;
+    return n;
+  };
+  for (int frame = 0; frame < 2; ++frame) m.show(noisy);
+  m.search(2, {});
+  m.predict({1.1f * kTuning.rematch_move_px, 0});
+  m.match(1);
+  CHECK(count_with(Reason::found) > m.count() / 2);
+  CHECK(count_with(Reason::forward_backward) > 0);
 }
 
 TEST_CASE(
@@ -301,8 +341,13 @@ TEST_CASE(
   CHECK(sum == m.count());
   m.matcher->begin_frame(1, false, 0);
   CHECK_FALSE(m.matcher->run_first_pass(m.frame(), m.rig.estimator.object));
-  m.point(7).was_found = false;
+  m.rig.templates.object[7].was_found = false;
   for (std::uint32_t n = 1; n <= m.ratio(); ++n) CHECK(m.first_pass(n).count(7) == 0);
+  const std::size_t enough = kTuning.first_pass_least_ratio * kTuning.first_pass_points;
+  for (std::size_t k = 0; k < m.count(); ++k) m.point(k).was_found = k > 0 && k < enough;
+  CHECK(m.first_pass(1).empty());  // one point too few
+  m.point(0).was_found = true;
+  CHECK_FALSE(m.first_pass(1).empty());
 }
 
 TEST_CASE(
@@ -325,8 +370,19 @@ TEST_CASE(
     }
     m.matcher->end_frame(m.frame(), is_good);
     for (std::size_t k = 0; k < m.count(); ++k) m.point(k).was_found = true;
-    return !m.first_pass(number).empty();
+    const std::set<std::size_t> next = m.first_pass(number);
+    m.predict({12, 0});
+    m.match(1);
+    std::size_t others_found = 0;
+    for (std::size_t k = 0; k < m.count(); ++k)
+      others_found +=
+          next.count(k) == 0 && m.seen[k].reason == Reason::found && length(m.seen[k].x - m.at[k]) < 0.3f;
+    // The other points' searches reach as far as those after the last first pass had to.
+    if (!next.empty()) CHECK((2 * others_found > m.count() - next.size()) == (others >= 1 || !is_good));
+    return !next.empty();
   };
+  CHECK(has_one_after(0.3f, 3, kTried));
+  CHECK(has_one_after(3, 0.3f, kTried + 1));
   CHECK(has_one_after(3, 1, kTried + 1));
   CHECK_FALSE(has_one_after(1, 1, kTried + 1));
   CHECK_FALSE(has_one_after(1, 3, kTried - 1));
