@@ -64,6 +64,22 @@ class StandingTrack {
     return frames;
   }
 
+  /// Ends one more good frame. \param goes_on  out: the track is not given up.
+  FrameResult conclude(FaceChecks& checks, bool is_checked = true, bool* goes_on = nullptr) {
+    FrameResult result;
+    result.state = TrackState::tracking;
+    const bool is_kept = checks.conclude(film().view(0), tracker_->estimator(), is_checked,
+                                         {scratch_.data(), scratch_.size()}, &result);
+    if (goes_on != nullptr) *goes_on = is_kept;
+    return result;
+  }
+  FaceChecks begin(float landmark_error) const {
+    FaceChecks checks;
+    checks.lay_out(limits_);
+    checks.begin_track(landmark_error, false);
+    return checks;
+  }
+
  private:
   TrackerLimits limits_ = limits_with_fake();
   InArena<Tracker> tracker_;
@@ -207,6 +223,84 @@ TEST_CASE(
   CHECK(urgent_after(0.02f, 12) == Frames{1, 3, 5, 12});
   CHECK(urgent_after(0, 0).empty());
   CHECK(urgent_after(0, 11) == Frames{11});
+}
+
+TEST_CASE(
+    "a person is known after so many good checks in a row, and has to become known anew in each track") {
+  FakeFaces fake(film());
+  StandingTrack track;
+  FaceChecks checks = track.begin(0.02f);
+  for (int good = 1; good <= kFaceChecksTuning.checks_of_known_person; ++good) {
+    CHECK_FALSE(checks.has_confirmed());
+    if (good == 2) {  // a bad one: all over again
+      fake.verification = 0.9f * kFaceChecksTuning.least_first_check;
+      CHECK(track.conclude(checks).state == TrackState::degraded);
+      CHECK(checks.is_refuted());
+      fake.verification = 1.1f * kFaceChecksTuning.least_first_check;
+      track.conclude(checks);
+      CHECK_FALSE(checks.is_refuted());
+    }
+    CHECK(track.conclude(checks).state == TrackState::tracking);
+  }
+  CHECK(checks.has_confirmed());
+  fake.verification = 1.1f * kFaceChecksTuning.least_check;  // of a known person that is good
+  track.conclude(checks);
+  CHECK_FALSE(checks.is_refuted());
+  fake.verification = 0.9f * kFaceChecksTuning.least_check;
+  CHECK(track.conclude(checks).state == TrackState::tracking);  // once may be a mistake
+  CHECK(checks.is_refuted());
+  checks.begin_track(0.02f, true);
+  CHECK_FALSE(checks.is_refuted());
+  CHECK_FALSE(checks.has_confirmed());
+}
+
+TEST_CASE("a track is given up after so many bad checks in a row") {
+  FakeFaces fake(film());
+  StandingTrack track;
+  FaceChecks checks = track.begin(0.02f);
+  for (const bool is_last_row : {false, true}) {
+    fake.verification = 0.01f;
+    for (int bad = 1; bad <= kFaceChecksTuning.most_bad_checks - !is_last_row; ++bad) {
+      bool goes_on = false;
+      track.conclude(checks, true, &goes_on);
+      CHECK(goes_on == (bad < kFaceChecksTuning.most_bad_checks));
+    }
+    fake.verification = 0.99f;
+    if (!is_last_row) track.conclude(checks);
+  }
+}
+
+TEST_CASE(
+    "the landmark error begins with that of the alignment, or of the first check, and follows the checks "
+    "slowly") {
+  FakeFaces fake(film());
+  StandingTrack track;
+  for (const float at_start : {0.0f, 0.03f}) {
+    FaceChecks checks = track.begin(at_start);
+    CHECK(track.conclude(checks, false).landmark_error == at_start);
+    fake.error = 0.02f;
+    const float first = at_start > 0 ? at_start + kFaceChecksTuning.error_rate * (0.02f - at_start) : 0.02f;
+    CHECK(track.conclude(checks).landmark_error == doctest::Approx(first));
+    fake.error = 0.06f;
+    CHECK(track.conclude(checks).landmark_error ==
+          doctest::Approx(first + kFaceChecksTuning.error_rate * (0.06f - first)));
+  }
+}
+
+TEST_CASE("a person whose face was seen whole is not in doubt when a track of theirs begins anew") {
+  FakeFaces fake(film());
+  StandingTrack track;
+  fake.error = 1.1f * kFaceChecksTuning.doubtful_error;
+  fake.least_part = kFaceChecksTuning.least_part - 0.1f;
+  FaceChecks checks = track.begin(fake.error);
+  CHECK(track.conclude(checks).state == TrackState::degraded);  // covered
+  fake.least_part = kFaceChecksTuning.least_part + 0.1f;
+  CHECK(track.conclude(checks).state == TrackState::tracking);
+  fake.least_part = kFaceChecksTuning.least_part - 0.1f;
+  checks.begin_track(fake.error, true);
+  CHECK(track.conclude(checks).state == TrackState::tracking);
+  checks.begin_track(fake.error, false);
+  CHECK(track.conclude(checks).state == TrackState::degraded);
 }
 
 TEST_CASE("a head that is turned by more than 50 degrees is degraded, and tracked on") {
