@@ -147,4 +147,59 @@ TEST_CASE("poor starts: the bound itself, and a face outside of the frame") {
   for (int k = 0; k < 20; ++k) CHECK_FALSE(start.is_over(tiny, estimator));
 }
 
+TEST_CASE(
+    "light has changed where the face is brighter or darker by more than noise in the dark is, however it is "
+    "stored") {
+  InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
+  REQUIRE(film().start_at_pose(tracker.object) == Status::ok);
+  Estimator& estimator = tracker->estimator();
+  // \param beside  in memory between the pixels, and behind a row.
+  const auto is_over_after = [&](int grey, int later, std::uint8_t beside) {
+    std::vector<std::uint8_t> pixels[2];
+    FrameView views[2];
+    for (int i = 0; i < 2; ++i) {
+      pixels[i].assign(std::size_t{2 * kWidth + 11} * kHeight, beside);
+      for (std::size_t y = 0; y < kHeight; ++y)
+        for (std::size_t x = 0; x < kWidth; ++x)
+          pixels[i][y * (2 * kWidth + 11) + 2 * x] = static_cast<std::uint8_t>(i == 0 ? grey : later);
+      views[i] = film().view(0);
+      views[i].data = pixels[i].data();
+      views[i].stride_bytes = 2 * kWidth + 11;
+      views[i].pixel_step_bytes = 2;
+    }
+    PoorStart start;
+    start.begin(0, 100, views[0], estimator);
+    CHECK(start.is_blinded() == (grey >= kPoorStartTuning.clipped_grey));
+    int k = 1;
+    while (k < 30 && !start.is_over(views[1], estimator)) ++k;
+    return k < 30;
+  };
+  for (const std::uint8_t beside : {std::uint8_t{0}, std::uint8_t{255}}) {
+    CHECK(is_over_after(50, 100, beside));
+    CHECK(is_over_after(100, 50, beside));
+    CHECK_FALSE(is_over_after(100, 100, beside));
+    CHECK_FALSE(is_over_after(5, 10, beside));
+    CHECK_FALSE(is_over_after(10, 5, beside));
+  }
+  CHECK_FALSE(is_over_after(kPoorStartTuning.clipped_grey, kPoorStartTuning.clipped_grey, 0));
+  CHECK(is_over_after(kPoorStartTuning.clipped_grey, kPoorStartTuning.clipped_grey - 1, 0));
+  CHECK_FALSE(is_over_after(kPoorStartTuning.clipped_grey - 1, kPoorStartTuning.clipped_grey, 0));
+}
+
+TEST_CASE("nothing is told of the light on a face that lies outside of the frame, on any side") {
+  InArena<Estimator> estimator(baked_face().model, EstimatorLimits{});
+  const std::vector<std::uint8_t> white(std::size_t{kWidth} * kHeight, 255);
+  FrameView bright = film().view(0);
+  bright.data = white.data();
+  for (const Vec2 away : {Vec2{-1, 0}, Vec2{1, 0}, Vec2{0, -1}, Vec2{0, 1}}) {
+    Pose pose = film().poses[0];
+    pose.t = pose.t + pose.t.z * Vec3{away.x, away.y, 0};
+    REQUIRE(estimator->start(film().camera, kWidth, kHeight, pose, film().parameters[0].data(), nullptr,
+                             {}) == Status::ok);
+    PoorStart start;
+    start.begin(0, 100, bright, estimator.object);
+    CHECK_FALSE(start.is_poor());
+  }
+}
+
 }  // namespace poor_start_test
