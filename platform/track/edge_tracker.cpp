@@ -102,10 +102,7 @@ std::size_t EdgeTracker::match(const PredictionTable& predictions, const FrameRe
     EdgePoint point = edge_point(p, p.x + beside - region.origin(), prediction_sd_px_);
     point.contrast = edge.contrast;
     const int found = find_edge(region.pyramid(), point, options, {out.data + n, kAlternatives});
-    for (int i = 0; i < found; ++i, ++n) {
-      out[n].x = out[n].x + region.origin() - beside;
-      out[n].cue = Cue::edge;
-    }
+    for (int i = 0; i < found; ++i, ++n) out[n].x = out[n].x + region.origin() - beside;
     edge.count = static_cast<std::uint8_t>(found);
   }
   return n;
