@@ -313,6 +313,14 @@ TEST_CASE("an unobserved parameter and values that are not finite are handled") 
   for (Block& b : scene.b)
     b.col(2) = b.col(0) + 0.7 * b.col(1);  // a parameter that does what others do together tells nothing new
   CHECK(runner.reject(scene, trial, McdStarts::all_six) == keep);
+  for (const bool tells_something :
+       {false, true}) {  // beside them: by less than the points can tell, and by more
+    for (Block& b : scene.b)
+      for (Eigen::Index i = 0; i < 2; ++i)
+        b(i, 2) =
+            b(i, 0) + 0.7 * b(i, 1) + (tells_something ? 3 : 0.01) * static_cast<double>(random.normal());
+    CHECK((runner.reject(scene, trial, McdStarts::all_six) == keep) == !tells_something);
+  }
 }
 
 TEST_CASE("a decision does not depend on the decisions before it") {
