@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "model_builder.hpp"
 #include "pliant/estimator_options.hpp"
@@ -203,6 +204,70 @@ TEST_CASE("surface_at inverts the projection") {
   CHECK(rig.surface->surface_at(rig.egg.cascade.object, rig.egg.state, {5, 5}, &uv) > 50);
 }
 
+TEST_CASE(
+    "where a fold shows two layers to the camera, a place is of the nearer one, whichever comes first in the "
+    "chart") {
+  for (const float slope_mm : {80.0f, -80.0f}) {
+    ModelBuilder b;  // from above an S
+    const auto across = [](float u) { return 100 * (u - 0.5f) + 40 * std::sin(6.2832f * u); };
+    b.record(Operation::constant, {}, {}, b.field(3, 65, 9, [&](float u, float v) {
+      return Vec3{across(u), 100 * (0.5f - v), slope_mm * u};
+    }));
+    b.parameter("p", Group::expression, -1, 1, 1);
+    b.grid_mesh(16);
+    b.landmark("p", 0.5f, 0.5f);
+    const OpenModel built(b);
+    InArena<Cascade> cascade(built.model);
+    InArena<VisibleSurface> surface(built.model.parameters().count, VisibleSurfaceLimits{1000, 0, 16, {}});
+    float q = 0;
+    ModelState state;
+    state.q = &q;
+    state.view = view_of({{}, {0, 0, 2000}}, centred_camera(640, 480, 2000));
+    REQUIRE(surface->start(built.model) == Status::ok);
+    surface->adapt(cascade.object, state, {});
+    int two_layers = 0;
+    for (float u = 0.02f; u < 0.2f; u += 0.01f) {
+      float other = 0.8f;  // the layer at the other end that is seen at the same place, if there is one
+      for (float t = 0.8f; t < 1; t += 0.0005f)
+        if (magnitude(across(t) - across(u)) < magnitude(across(other) - across(u))) other = t;
+      if (magnitude(across(other) - across(u)) > 0.2f) continue;
+      ++two_layers;
+      Vec2 x, uv;
+      const float nearer = slope_mm > 0 ? other : u;
+      REQUIRE(Projector(state.view, true).project(cascade->surface_point({nearer, 0.47f}, &q), &x));
+      CHECK(surface->surface_at(cascade.object, state, x, &uv) == 0);
+      CHECK(magnitude(uv.x - nearer) < 0.01f);
+    }
+    CHECK(two_layers > 5);
+  }
+}
+
+TEST_CASE("a place is of the layer that faces the camera, also where the back of a flap is nearer") {
+  ModelBuilder b;
+  const auto across = [](float u) { return 120 * std::sin(3.1416f * u) - 60; };
+  b.record(Operation::constant, {}, {}, b.field(3, 65, 9, [&](float u, float v) {
+    return Vec3{across(u), 100 * (0.5f - v), 80 * u};
+  }));
+  b.parameter("p", Group::expression, -1, 1, 1);
+  b.grid_mesh(16);
+  b.landmark("p", 0.5f, 0.5f);
+  const OpenModel built(b);
+  InArena<Cascade> cascade(built.model);
+  InArena<VisibleSurface> surface(built.model.parameters().count, VisibleSurfaceLimits{1000, 0, 16, {}});
+  float q = 0;
+  ModelState state;
+  state.q = &q;
+  state.view = view_of({{}, {0, 0, 2000}}, centred_camera(640, 480, 2000));
+  REQUIRE(surface->start(built.model) == Status::ok);
+  surface->adapt(cascade.object, state, {});
+  for (float u = 0.1f; u < 0.4f; u += 0.02f) {
+    Vec2 x, uv;
+    REQUIRE(Projector(state.view, true).project(cascade->surface_point({u, 0.47f}, &q), &x));
+    CHECK(surface->surface_at(cascade.object, state, x, &uv) == 0);
+    CHECK(magnitude(uv.x - u) < 0.01f);
+  }
+}
+
 TEST_CASE("a surface of some metres is seen as a small one is") {
   std::size_t on_surface[2];
   for (const bool is_large : {false, true}) {
@@ -278,8 +343,7 @@ TEST_CASE("a finer tolerance gives a finer mesh, and operations follow the view 
   CHECK(rig.surface->mesh().validate().invariant == 0);
 }
 
-TEST_CASE(
-    "a vertex that is welded and split again while samples are renewed has none of the person before") {
+TEST_CASE("a vertex that is welded and split again while samples are renewed has none of the person before") {
   for (std::uint32_t lead = 0; lead < 32; ++lead) {
     CAPTURE(lead);
     CHECK(count_old_vertices(lead) == 0);
