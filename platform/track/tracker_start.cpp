@@ -30,6 +30,15 @@ bool is_focal_length(float px) {
   return px >= 0 && px <= kLargestFocalPx;
 }
 
+/// Whether a search can be made with the camera, or the focal length, of a start.
+bool has_camera(const StartOptions& start, const TrackerLimits& limits) {
+  const Camera camera = start_camera(start.camera, start.focal_px, limits.width, limits.height);
+  const Pose anywhere{{}, {0, 0, 1000}};
+  Lens unused;
+  return is_focal_length(start.focal_px) && is_possible(anywhere, camera) &&
+         Lens::make(camera, limits.width, limits.height, &unused) == Status::ok;
+}
+
 /// The same options with a copy of the camera: that of the track which ends is in memory that the start uses.
 StartOptions with_copy(const StartOptions& start, Camera* camera) {
   StartOptions copy = start;
@@ -109,7 +118,7 @@ Status TrackerParts::start_at_fit(Status fitted, const FrameView& frame_0, const
   if (is_fitted) fitted = start(view, *from, with, marker_places);
   if (fitted == Status::ok) return fitted;
   offsets.clear();
-  // The search that follows is as the caller said, where the camera is one.
+  // The search that follows is as the caller said, unless the camera, or the pose, is none.
   if (detection != nullptr && fitted != Status::bad_argument) detection->keep_start_of_caller(with);
   return fitted;
 }
@@ -223,6 +232,8 @@ Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoi
   t.offsets.clear();
   t.given = {};
   status = t.fit_before_tracking([&](Arena& arena) {
+    // First, so that no other fault hides it: the search that follows would be made with this camera.
+    if (!has_camera(known, t.limits)) return Status::bad_argument;
     return fit_to_landmarks(arena, t.model(), points, t.limits.samples_vertices, fit, t.start_q.data, &found,
                             &t.offsets);
   });
@@ -260,13 +271,7 @@ Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptio
   if (impl_ == nullptr) return Status::not_started;
   Impl& t = *impl_;
   if (t.detection == nullptr) return Status::not_found;
-  Lens unused;
-  const Camera camera = start_camera(start.camera, start.focal_px, t.limits.width, t.limits.height);
-  const Pose anywhere{{}, {0, 0, 1000}};
-  if (!is_focal_length(start.focal_px) || !is_possible(anywhere, camera) ||
-      Lens::make(camera, t.limits.width, t.limits.height, &unused) != Status::ok ||
-      check(options) != Status::ok)
-    return Status::bad_argument;
+  if (!has_camera(start, t.limits) || check(options) != Status::ok) return Status::bad_argument;
   t.detection->calls->begin_search(t, start, options);
   t.begin_stream();
   t.given = {};

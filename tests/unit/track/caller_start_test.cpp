@@ -391,6 +391,30 @@ TEST_CASE("where a start fails in the picture, its camera and options are those 
   CHECK(result.smoothed_pose.t.z == result.pose.t.z);
 }
 
+TEST_CASE("a start from landmarks whose camera is none leaves the search that of the start before") {
+  const FaceFilm& film = film_of_face();
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  const std::vector<NamedPoint> one_spot(8, {"ibug30", {150, 100}});
+  Camera wide = film.camera, far = film.camera;
+  wide.aspect = 7;
+  far.cx = 1e8f;
+  std::size_t k = 0;
+  for (const Camera& camera : {wide, far}) {
+    StartOptions start;
+    start.focal_px = 1.25f * film.camera.f;
+    REQUIRE(tracker->start_by_detection(start) == Status::ok);
+    const float focal = start.focal_px;
+    start.camera = &camera;
+    CHECK(tracker->start_from_landmarks(film.view(k++), {one_spot.data(), one_spot.size()}, start) ==
+          Status::bad_argument);
+    CHECK_FALSE(tracker->is_started());
+    update(tracker.object, film, k++);
+    REQUIRE(tracker->is_started());
+    CHECK(tracker->camera().f == focal);
+  }
+}
+
 TEST_CASE("limits that a found face does not fit are told by the frame that shows it") {
   const FaceFilm& film = film_of_face();
   FakeFaces fake(film);
