@@ -76,11 +76,10 @@ void LandmarkOffsets::project_all(const View& view, Estimator& estimator, Vec2* 
 
 void LandmarkOffsets::keep_all(const View& view, Estimator& estimator, const Vec2* x, Vec3* moved) {
   for (std::size_t k = 0; k < values_.count; ++k) {
-    const Vec3 before = values_[k];
-    if (x[k].x > kNowhere.x)
-      find_offset(view, estimator.lens(), estimator.surface_point(estimator.model().landmarks()[k].uv()),
-                  x[k], &values_[k]);
-    moved[k] = values_[k] - before;
+    moved[k] = {};
+    const Vec3 before = estimator.surface_point(estimator.model().landmarks()[k].uv()) + values_[k];
+    if (x[k].x > kNowhere.x) find_offset(view, estimator.lens(), before, x[k], &moved[k]);
+    values_[k] = values_[k] + moved[k];
   }
 }
 

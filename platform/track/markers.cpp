@@ -49,10 +49,12 @@ void Markers::project_all(const View& view, Estimator& estimator, Vec2* x) const
 }
 
 void Markers::keep_all(const View& view, Estimator& estimator, const Vec2* x) {
-  for (std::size_t k = 0; k < count_; ++k)
-    if (x[k].x > kNowhere.x)
-      find_offset(view, estimator.lens(), estimator.surface_point(estimator.point_uv(ids_[k])), x[k],
-                  &offsets_[k]);
+  for (std::size_t k = 0; k < count_; ++k) {
+    Vec3 moved;
+    const Vec3 before = estimator.surface_point(estimator.point_uv(ids_[k])) + offsets_[k];
+    if (x[k].x > kNowhere.x && find_offset(view, estimator.lens(), before, x[k], &moved))
+      offsets_[k] = offsets_[k] + moved;
+  }
 }
 
 bool Markers::position(std::size_t k, Estimator& estimator, Vec2* x) const {

@@ -251,6 +251,36 @@ TEST_CASE("markers, too, stay where they are seen when the person below them is 
   for (std::size_t k = 0; k < given.size(); ++k) CHECK(magnitude(error(k) - (k == 1 ? unseen : 0)) < 0.05f);
 }
 
+TEST_CASE(
+    "landmarks and markers that are placed in one view stay there when they are kept where another one shows "
+    "them") {
+  Random random(5);
+  const Person person(random, 3);
+  Start start(person, given_by(person, random, 0));
+  Estimator& e = start.estimator.object;
+  const Vec2 given = start.landmark("ibug30", true) + Vec2{6, 2};
+  const std::uint16_t nose = person.model.find_landmark("ibug30");
+  start.offsets->place(person.model.landmarks()[nose].uv(), given, e);
+  const Vec2 beside =
+      start.landmark("ibug00", true) - Vec2{12, 0};  // of the face: a marker on it has no offset
+  InArena<Markers> markers(1);
+  REQUIRE(markers->place(e, {&beside, 1}, 1) == Status::ok);
+  View turned = e.view();
+  turned.q = exp_rotation({0, 0.7f, 0}) * turned.q;
+  std::vector<Vec2> seen(person.model.landmarks().count);
+  std::vector<Vec3> moved(seen.size());
+  Vec2 marker;
+  start.offsets->project_all(turned, e, seen.data());
+  start.offsets->keep_all(turned, e, seen.data(), moved.data());
+  markers->project_all(turned, e, &marker);
+  markers->keep_all(turned, e, &marker);
+  Vec2 x;
+  REQUIRE(start.offsets->project(nose, e, &x));
+  CHECK(length(x - given) < 0.02f);
+  REQUIRE(markers->position(0, e, &x));
+  CHECK(length(x - beside) < 0.02f);
+}
+
 TEST_CASE("exact points of a person with the model's landmarks give no offset") {
   Random random(11);
   for (int trial = 0; trial < 4; ++trial) {
