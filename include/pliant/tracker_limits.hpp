@@ -100,7 +100,7 @@ struct TrackerLimits {
   const Detection* detection = &kDetection;
   /// Aligns the face again while it is tracked: in each frame in which the templates fail, so that it is tracked in changing light;
   /// and now and then, to begin anew where more of the face is seen than at a start by alignment (docs/algorithms.md, 7.15).
-  /// 72 kB with the built-in face and the default limits, which share memory with it; 45 kB with those of profile L, 88 kB with
+  /// 58 kB with the built-in face and the default limits, which share memory with it; 45 kB with those of profile L, 74 kB with
   /// those of profile S. If null, none of this is done, and the code is left out of the program.
   const SecondLook* second_look = &kSecondLook;
   /// Estimates the identity parameters while the head turns far (docs/algorithms.md, section 7.20). Identity
