@@ -17,8 +17,7 @@ struct Detection;
 extern const Detection kUprightFaceDetection;
 /// The same of faces at any roll, and with any Camera::aspect: a third of the searches is of the turned frame. A face that is
 /// turned by an odd number of eighths of a turn must be 1.4 times as large as an upright one. A search takes width x height bytes
-/// more, which are the track's afterwards: of 320 x 240 profile S's block grows by 8 kB, that of the others not at all. 35 kB of
-/// code on a Cortex-M7.
+/// more, which are the track's afterwards: of 320 x 240 no profile's block grows. 35 kB of code on a Cortex-M7.
 extern const Detection kFaceDetection;
 /// The search for a printed surface and its verification, from the keypoints of its albedo. 29 kB of code on a Cortex-M7.
 extern const Detection kPrintDetection;
