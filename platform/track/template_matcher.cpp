@@ -107,7 +107,7 @@ std::size_t TemplateMatcher::match(const MatchFrame& frame, const PredictionTabl
     Observation& o = frame.observations[search.observation];
     const bool has_work_left = work_.search_steps < most_steps_;
     if (!has_work_left && search.is_pending) o = not_found(p.id, Reason::not_visible);
-    const Action next = has_work_left ? action(search, o, p) : Action::none;
+    const Action next = has_work_left ? action(search, o, p, round) : Action::none;
     if (next == Action::search) search_for(frame, k, p, round);
     if (next == Action::track_from_previous) o = track_from_previous(frame, k, p);
     searched += next != Action::none;
@@ -119,8 +119,9 @@ std::size_t TemplateMatcher::match(const MatchFrame& frame, const PredictionTabl
 /// Decides whether to search again. A new search is useful if the point was not found, if it was found away from the new
 /// prediction, or if the warp of its template has changed.
 TemplateMatcher::Action TemplateMatcher::action(const Search& search, const Observation& last,
-                                                const Prediction& p) const {
+                                                const Prediction& p, int round) const {
   if (search.is_pending) return Action::search;
+  if (round == 0) return Action::none;  // searched for by a first pass that failed: the prediction is still the same
   if (!p.visible) return last.reason == Reason::not_visible ? Action::none : Action::search;
   if (strain(p.jacobian, search.jacobian) * half_window_ > kTuning.rematch_warp_px) return Action::search;
   const bool was_found = last.reason == Reason::found || last.reason == Reason::rejected;

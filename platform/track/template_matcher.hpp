@@ -70,7 +70,7 @@ class TemplateMatcher {
   enum class Action : std::uint8_t { none, search, track_from_previous };
 
   bool should_run_first_pass(std::size_t ratio) const;
-  Action action(const Search& search, const Observation& last, const Prediction& p) const;
+  Action action(const Search& search, const Observation& last, const Prediction& p, int round) const;
   void search_for(const MatchFrame& frame, std::size_t k, const Prediction& p, int round);
   Observation search(const MatchFrame& frame, std::size_t k, const Prediction& p, int round);
   Observation track_from_previous(const MatchFrame& frame, std::size_t k, const Prediction& p);

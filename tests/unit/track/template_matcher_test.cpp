@@ -350,6 +350,22 @@ TEST_CASE(
   CHECK_FALSE(m.first_pass(1).empty());
 }
 
+TEST_CASE("points of a first pass that fails are not searched for again before the solve of round 0") {
+  ManyPoints m;
+  m.matcher->begin_frame(1, true, 0);
+  Random random(3);
+  std::vector<std::uint8_t> noise = film().frames[0];
+  for (std::uint8_t& grey : noise) grey = static_cast<std::uint8_t>(random.below(256));
+  for (int frame = 0; frame < 2; ++frame) m.show(noise);
+  REQUIRE_FALSE(m.matcher->run_first_pass(m.frame(), m.rig.estimator.object));  // it finds too few points
+  const std::uint32_t searches = m.matcher->work().searches;
+  REQUIRE(searches > 0);
+  CHECK(m.match(0) == m.count() - searches);
+  std::size_t followed = 0;
+  for (std::size_t k = 0; k < m.count(); ++k) followed += m.seen[k].cue == Cue::flow;
+  CHECK(followed == 0);
+}
+
 TEST_CASE(
     "a first pass is made where the one before has brought the other points nearer, and tried now and then") {
   constexpr std::uint32_t kTried = kTuning.first_pass_retry_frames;
