@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <sstream>
 #include <string_view>
 
 #include "host/io/files.hpp"
@@ -74,11 +73,9 @@ std::map<std::string, std::string> read_picture_names(const std::string& path,
   const std::string folder = path.substr(0, path.find_last_of('/') + 1);
   std::map<std::string, std::string> names;
   const std::string text = read_file(path);
-  std::istringstream lines(text);
   std::string material;
-  bool is_first = true;
-  for (std::string line; std::getline(lines, line, line_end_of(text)); is_first = false) {
-    line = trimmed(is_first ? std::string(without_byte_order_mark(line)) : line);
+  for (std::string_view lines = without_byte_order_mark(text); !lines.empty();) {
+    const std::string line = trimmed(take_line(lines));
     const std::size_t blank = line.find_first_of(" \t");
     if (blank == std::string::npos) continue;
     const std::string key = line.substr(0, blank), rest = trimmed(line.substr(blank));

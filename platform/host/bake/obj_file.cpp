@@ -28,19 +28,16 @@ class ObjReader {
     text_.resize(static_cast<std::size_t>(size));
     in.seekg(0);
     if (size > 0 && !in.read(text_.data(), size)) throw SourceError(path, 0, "cannot be read");
-    line_end_ = line_end_of(text_);
     mesh_.path = path;
     mesh_.materials.emplace_back();
   }
 
   ObjMesh run() {
-    for (std::size_t start = 0; start < text_.size();) {
+    for (std::string_view text = text_; !text.empty();) {
       line_ = ++last_line_;
-      const std::size_t end = end_of_line(start);
-      rest_ = std::string_view(text_).substr(start, end - start);
+      rest_ = joined_line(text);
       if (line_ == 1) rest_ = without_byte_order_mark(rest_);
       read_line();
-      start = end + 1;
     }
     if (mesh_.vertices.empty()) throw SourceError(path_, 0, "holds no vertices");
     return std::move(mesh_);
@@ -49,23 +46,22 @@ class ObjReader {
  private:
   [[noreturn]] void fail(const std::string& what) const { throw SourceError(path_, line_, what); }
 
-  /// The end of the line that starts at `start`. A line whose last character is a backslash goes on in the next one: the
-  /// characters that separate the two become blanks. A comment does not go on, since it may end in the path of a folder.
-  std::size_t end_of_line(std::size_t start) {
+  /// Takes a line from the text. One whose last character is a backslash goes on in the next one: the characters that separate the
+  /// two become blanks. A comment does not go on, since it may end in the path of a folder.
+  std::string_view joined_line(std::string_view& text) {
+    const std::size_t start = text_.size() - text.size();
     for (;; ++last_line_) {
-      const std::size_t end = std::min(text_.find(line_end_, start), text_.size());
-      const std::string_view line = std::string_view(text_).substr(start, end - start);
-      const std::size_t last = line.find_last_not_of('\r');
-      if (end == text_.size() || last == std::string_view::npos || line[last] != '\\' ||
-          line.find('#') != std::string_view::npos)
-        return end;
-      for (std::size_t k = start + last; k <= end; ++k) text_[k] = ' ';
-      start = end + 1;
+      const std::string_view line = take_line(text);
+      const std::size_t end = static_cast<std::size_t>(line.data() - text_.data()) + line.size();
+      const std::size_t next = text_.size() - text.size();
+      if (next == end || line.empty() || line.back() != '\\' || line.find('#') != std::string_view::npos)
+        return std::string_view(text_).substr(start, end - start);
+      for (std::size_t k = end - 1; k < next; ++k) text_[k] = ' ';
     }
   }
 
   std::string_view word() {
-    const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+    const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
     std::size_t first = 0;
     while (first < rest_.size() && is_blank(rest_[first])) ++first;
     std::size_t last = first;
@@ -138,7 +134,6 @@ class ObjReader {
 
   std::string path_, text_;
   std::string_view rest_;
-  char line_end_ = '\n';
   int line_ = 0, last_line_ = 0;  // the first and the last line of the file that the current one is made of
   bool is_fixed_ = false;         // the current group
   int material_ = 0;              // the current one

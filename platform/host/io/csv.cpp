@@ -52,14 +52,10 @@ CsvTable::CsvTable(std::string source, std::string_view text) : source_(std::mov
   if (text.substr(0, 2) == "\xff\xfe" || text.substr(0, 2) == "\xfe\xff")
     fail_input(source_, "is text in UTF-16: save it in UTF-8");
   text = without_byte_order_mark(text);
-  const char line_end = line_end_of(text);
   std::size_t line_number = 0;
   while (!text.empty()) {
-    const std::size_t end = text.find(line_end);
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    const std::string_view line = take_line(text);
     ++line_number;
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     if (line.find_first_not_of(" \t") == std::string_view::npos) continue;
     bool is_sound = true;
     std::vector<std::string> cells = split(line, is_sound);

@@ -33,9 +33,12 @@ inline std::string_view unquoted(std::string_view text) {
   return is_quoted ? text.substr(1, text.size() - 2) : text;
 }
 
-/// The character that ends the lines of a text: some programs write a carriage return alone.
-inline char line_end_of(std::string_view text) {
-  return text.find('\n') == std::string_view::npos ? '\r' : '\n';
+/// Takes the first line from a text, without its end: a line feed, a carriage return, or both. A text may have all of them.
+inline std::string_view take_line(std::string_view& text) {
+  const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+  text.remove_prefix(line.size());
+  text.remove_prefix(text.substr(0, 2) == "\r\n" ? 2 : text.empty() ? 0 : 1);
+  return line;
 }
 
 /// The text without the byte order mark that some editors and spreadsheets put before it.

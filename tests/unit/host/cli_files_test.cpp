@@ -185,6 +185,10 @@ TEST_CASE("CSV may have quotes, spaces, any line ends and a byte order mark") {
   REQUIRE(returns.row_count() == 1);
   CHECK(returns.number(0, 2) == 2);
   CHECK(returns.where(0) == "t.csv: line 3");
+  const CsvTable mixed("t.csv", "landmark,x,y\r\ra,1,2\r\nb,3,4\n");
+  REQUIRE(mixed.row_count() == 2);
+  CHECK(mixed.number(0, 2) == 2);
+  CHECK(mixed.where(1) == "t.csv: line 4");
 }
 
 TEST_CASE("tables that are no CSV in UTF-8 with commas are refused by what they are") {
