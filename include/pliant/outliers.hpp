@@ -137,9 +137,9 @@ class Mcd {
 /// Size h of the subset for n rows, p columns: floor(2m - n + 2(n - m) alpha), m = floor((n + p + 1) / 2).
 std::size_t mcd_subset_size(std::size_t rows, std::size_t columns, double alpha);
 
-/// Quantile of chi-square with `freedom` in [1, 26] degrees of freedom, probability in [1e-12, 1 - 1e-6], to 1e-9 relative. Nearer
-/// to 0 it is too large, nearer to 1 it is off by what the rounding of a probability hides; without a probability it is some value
-/// from 0 to about 400. At most 80 steps. No libm.
+/// Quantile of chi-square with `freedom` in [1, 26] degrees of freedom, probability in [1e-12, 1 - 1e-6], to 1e-9 relative. For a
+/// smaller probability it is too large. For a larger one its error is what the rounding of the probability makes it. Outside
+/// (0,1), or for NaN, it is some value from 0 to about 400. At most 80 steps. No libm.
 double chi_square_quantile(std::size_t freedom, double probability);
 /// P(chi-square with `freedom` degrees <= x), to 1e-12.
 double chi_square_probability(std::size_t freedom, double x);

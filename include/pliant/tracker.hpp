@@ -40,7 +40,7 @@ inline bool are_usable(const Model& model, const TrackerLimits& limits) {
 /// Every other start needs a frame, which becomes frame 0. A start checks frame, counts, names, arrays and
 /// options first. If one of those is wrong, nothing changes. If the start fails later (in the fit, the camera, the pose or
 /// the texture), the tracker is not started, `is_started` is false, and the next frame may have any time. Where there is detection,
-/// that frame is searched with the camera and the options of this start, or of the one before if it returned bad_argument.
+/// that frame is searched with the camera and the options of this start; if this one returned bad_argument, of the start before.
 ///
 /// Costs as multiples of a tracked frame's instructions, with profiles M and S on a PC: a start from a pose or a state 4 and 8,
 /// from a box about 8 and 13, from 68 landmarks 13 and 31, a frame that is searched 8 and 3.

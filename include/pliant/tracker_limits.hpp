@@ -12,8 +12,8 @@ namespace pliant {
 struct Detection;
 /// Starts that a tracker makes by itself, by name, so that programs that do not use them do not link them.
 /// This one: detection, alignment and verification of faces from learnt tables. Faces are found that are turned in the picture by
-/// up to about 30 degrees. 33 kB of code on a Cortex-M7. Frames are searched as they are: with a
-/// Camera::aspect of 0.67 to 1.5; with 2 or 0.5 a quarter or more of the faces is not found.
+/// up to about 30 degrees, and with a Camera::aspect of 0.67 to 1.5: the frame is searched as if its pixels were square. With an
+/// aspect of 2 or 0.5 a quarter or more of the faces is not found. 33 kB of code on a Cortex-M7.
 extern const Detection kUprightFaceDetection;
 /// The same of faces at any roll, and with any Camera::aspect: a third of the searches is of the turned frame. A face that is
 /// turned by an odd number of eighths of a turn must be 1.4 times as large as an upright one. A search takes width x height bytes

@@ -10,13 +10,14 @@ struct RolledDetectorTuning {
   /// Of so many searches of a whole frame the last one is at another turn, count. With 3 an upright face is found a frame later in
   /// a third of the cases, and all turns have been searched after 21 searches, 0.7 s at 30 frames a second. Round value, not tuned.
   int period = 3;
-  /// Where an image of a square is farther from square than this, larger over smaller side, the frame is searched in a picture of
-  /// square pixels. Of 30 portraits that were found as they are, 30 were found without it at 1.5, 23 at 2 and 18 at 0.5.
+  /// Larger over smaller side of a pixel above which the frame is searched in a picture of square pixels, no unit. Without such a
+  /// picture 30 of 30 portraits are found with an aspect of 1.5, 23 with 2 and 18 with 0.5.
   float least_unlike = 1.2f;
 };
 inline constexpr RolledDetectorTuning kRolledDetectorTuning{};
 
-/// A detector that searches the frame as it is and, now and then, turned. Its frames are readable and within the limits.
+/// A detector that searches the frame upright and, now and then, turned. A frame whose pixels are about square is searched as it is
+/// where it is upright, else in a picture. Frames are readable and within the limits.
 class RolledDetector : public FaceDetector {
  public:
   /// As FaceDetector::lay_out, and a picture. \param expected  rotation of a face: most searches are at its turn (turn_of).

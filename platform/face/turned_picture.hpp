@@ -67,7 +67,8 @@ class TurnedPicture {
 
   std::uint8_t* pixels_ = nullptr;
   FrameView view_;
-  Vec2 frame_middle_, scale_{1, 1};             // px of the frame; the second is a square pixel
+  Vec2 frame_middle_;                           // px of the frame
+  Vec2 scale_{1, 1};                            // width and height of a square pixel, px of the frame
   std::int32_t right_x_ = kUnit, right_y_ = 0;  // right(), in 1/kUnit px
 };
 

@@ -36,8 +36,8 @@ class LandmarkOffsets {
 
   /// Image positions (px) of all landmarks in a view, at the estimator's parameters; kNowhere behind the camera.
   void project_all(const View& view, Estimator& estimator, Vec2* x) const;
-  /// Changes the offsets, across the view alone, so that the landmarks are there again after the parameters have changed: what
-  /// other views have shown of their depth stays. \param moved  out: by how much, mm, model's axes.
+  /// Changes the offsets so that the landmarks are at x again after the parameters have changed. Only their part across the view
+  /// changes; the part along it, which comes from other views, stays. \param moved  out: by how much, mm, model's axes.
   void keep_all(const View& view, Estimator& estimator, const Vec2* x, Vec3* moved);
 
  private:

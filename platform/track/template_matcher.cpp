@@ -176,8 +176,8 @@ PatchOptions TemplateMatcher::search_options(const Template& point, bool is_pend
   return options;
 }
 
-/// The finest pyramid level from which a search reaches as far as predictions are likely to be off. The coarsest one by its number:
-/// the innovation, which chooses where there is none, knows nothing of the coarse translation.
+/// The finest pyramid level from which a search reaches as far as predictions are likely to be off. The coarsest one is given by
+/// its number, since -1 leaves the choice to start_sd_px, of which the coarse translation is no part.
 int TemplateMatcher::first_level() const {
   const float off = kTuning.reach_per_innovation * innovation_px_ + kTuning.reach_per_coarse_px * coarse_px_;
   return off < kTuning.level_0_reach_px ? 0 : off < kTuning.level_1_reach_px ? 1 : Pyramid::kMaxLevels - 1;

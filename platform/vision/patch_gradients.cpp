@@ -82,7 +82,7 @@ void mask_template(const i16* __restrict mask, int count, i16* __restrict t, i16
 
 }  // namespace
 
-// Not for wide vectors as a whole: where they are inlined here, GCC forgets that nothing overlaps and finds fewer vectors.
+// Not for wide vectors as a whole: where its parts are inlined, GCC loses their __restrict and makes fewer vectors.
 void make_template(const i16* block, const i16* mask, int window, i16* scratch, Template out) {
   const int stride = block_stride(window);
   smooth3(block, stride, window * stride, scratch);

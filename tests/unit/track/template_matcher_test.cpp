@@ -100,7 +100,7 @@ enum class Does { nothing, searches, follows };
 
 }  // namespace
 
-TEST_CASE("the second round looks again only for points to which it can add something") {
+TEST_CASE("the second round searches again only for points to which it can add something") {
   Match m;
   m.still_frame(1);
   const struct {
