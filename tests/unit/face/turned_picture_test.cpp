@@ -129,7 +129,7 @@ TEST_CASE("where the frame's pixels are not square, those of the picture are") {
         for (int x = 0; x < rig.picture.view().width; ++x)
           if (rig.at(x, y) > 125) ++count, farthest = max(farthest, length(place(x, y) - disc.center));
       CHECK(farthest < 0.5f * disc.side + 1.5f);
-      CHECK(count == doctest::Approx(0.785f * disc.side * disc.side).epsilon(0.1));
+      CHECK(count == doctest::Approx(double(0.785f * disc.side * disc.side)).epsilon(0.1));
     }
   }
 }

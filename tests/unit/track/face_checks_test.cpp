@@ -280,10 +280,10 @@ TEST_CASE(
     CHECK(track.conclude(checks, false).landmark_error == at_start);
     fake.error = 0.02f;
     const float first = at_start > 0 ? at_start + kFaceChecksTuning.error_rate * (0.02f - at_start) : 0.02f;
-    CHECK(track.conclude(checks).landmark_error == doctest::Approx(first));
+    CHECK(track.conclude(checks).landmark_error == doctest::Approx(double(first)));
     fake.error = 0.06f;
     CHECK(track.conclude(checks).landmark_error ==
-          doctest::Approx(first + kFaceChecksTuning.error_rate * (0.06f - first)));
+          doctest::Approx(double(first + kFaceChecksTuning.error_rate * (0.06f - first))));
   }
 }
 

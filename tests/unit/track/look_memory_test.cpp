@@ -69,8 +69,8 @@ TEST_CASE("looks in the mean of a person's landmarks are no looks in that of ano
     REQUIRE(t.tracker->start_by_detection() == Status::ok);
     t.fake.covered_frames = t.k + 1;
   }
-  CHECK(low[0] == doctest::Approx(t.fake.lowered_px * 2 / 3).epsilon(0.05));
-  CHECK(low[1] == doctest::Approx(low[0]).epsilon(0.03));
+  CHECK(low[0] == doctest::Approx(double(t.fake.lowered_px) * 2 / 3).epsilon(0.05));
+  CHECK(low[1] == doctest::Approx(double(low[0])).epsilon(0.03));
 }
 
 TEST_CASE("aligned frames are counted from the last good one on") {

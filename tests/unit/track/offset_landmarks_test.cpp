@@ -263,7 +263,7 @@ TEST_CASE(
   start.offsets->place(person.model.landmarks()[nose].uv(), given, e);
   const Vec2 beside =
       start.landmark("ibug00", true) - Vec2{12, 0};  // of the face: a marker on it has no offset
-  InArena<Markers> markers(1);
+  InArena<Markers> markers(std::size_t{1});
   REQUIRE(markers->place(e, {&beside, 1}, 1) == Status::ok);
   View turned = e.view();
   turned.q = exp_rotation({0, 0.7f, 0}) * turned.q;

@@ -170,7 +170,7 @@ TEST_CASE("a search begins where the bend of the surface puts the window") {
   near.max_move_px = 0.3f;
   for (std::size_t k = 0; k < 40; ++k) {
     Template& t = rig.templates.object[k];
-    t.bend[0] = t.bend[2] = kBendUnits;
+    t.bend[0] = t.bend[2] = static_cast<std::int8_t>(kBendUnits);
     t.bend[1] = 0;
     const PatchResult r =
         rig.templates->match(k, rig.region.object, t.found_at - shift, t.reference, turned.depths, near);
@@ -198,7 +198,7 @@ TEST_CASE(
       REQUIRE(patches->capture(0, rig.region->pyramid(), t.found_at) == PatchStatus::ok);
       const PatchResult expected = patches->track(0, rig.region->pyramid(), t.found_at, {}, as_known);
       CHECK(r.status == expected.status);
-      CHECK(r.information.xx == doctest::Approx(expected.information.xx).epsilon(0.002));
+      CHECK(r.information.xx == doctest::Approx(double(expected.information.xx)).epsilon(0.002));
     }
   }
 }
@@ -214,7 +214,7 @@ TEST_CASE("the depth under a second template is that of its own key frame") {
     Template& second = rig.templates.object[first.second];
     const Mat2 seen = second.reference;
     first.reference = seen * Mat2{2, 0, 0, 2};
-    second.bend[0] = second.bend[2] = kBendUnits;
+    second.bend[0] = second.bend[2] = static_cast<std::int8_t>(kBendUnits);
     const PatchResult r = rig.templates->match(k, rig.region.object, first.found_at, seen, turned.depths, {});
     CHECK(length(r.x - first.found_at) < 0.1f);  // the second one's was seen from where the head is now
   }

@@ -320,7 +320,7 @@ TEST_CASE(
     m.still_frame(number++);
     CHECK(is_followed());
     const PatchResult r = m.rig.templates->match_from_previous(m.at[k], m.rig.region.object, m.at[k], {});
-    CHECK(m.seen[k].information.xx == doctest::Approx(0.25f * r.information.xx).epsilon(0.01));
+    CHECK(m.seen[k].information.xx == doctest::Approx(0.25 * double(r.information.xx)).epsilon(0.01));
     CHECK(is_followed(false));
     CHECK_FALSE(is_followed());  // a bad frame: it was nowhere
   }

@@ -301,7 +301,7 @@ TEST_CASE("second templates are of points with another appearance, and go with t
 TEST_CASE("no second template is taken of a point that has one, is lost for a while, or lies outside") {
   Rig rig;
   rig.place(0, 40);
-  for (const std::size_t k : {1, 2, 3}) rig.templates.object[k].correlation = 0.7f;
+  for (std::size_t k = 1; k <= 3; ++k) rig.templates.object[k].correlation = 0.7f;
   rig.templates.object[1].frames_apart = 1;
   rig.templates.object[2].found_at = {-50, 500};
   const auto capture = [&](std::size_t first) {
