@@ -3,26 +3,22 @@
 //
 // input: changes of eight bytes each: kind, position (3), value (4)
 #include <cstddef>
-#include <cstdlib>
 
 #include "aligned_block.hpp"
 #include "host/bake/print_keypoints.hpp"
 #include "model_table.hpp"
-#include "pliant/tracker.hpp"
 #include "print/print_table.hpp"
 #include "random.hpp"
 #include "renderer.hpp"
+#include "told_results.hpp"
 
 using namespace pliant;
+using fuzz::require;
 
 namespace {
 
 constexpr int kSide = 128;
 constexpr std::size_t kFrames = 4;  // a start, and three of its track
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 /// Boxes of many sizes and greys: corners that differ.
 TexturedModel::Paint boxes() {
@@ -97,14 +93,6 @@ void seal(Span<std::uint8_t> print) {
     header->crc32 = crc32(print.data + kSummedFrom, header->total_bytes - kSummedFrom);
 }
 
-void check(const Tracker& tracker, const FrameResult& result) {
-  require(result.is_searching != tracker.is_started());
-  require(result.state <= TrackState::lost && result.landmark_error >= 0 && result.landmark_error <= 1);
-  if (!tracker.is_started() || result.state == TrackState::lost) return;
-  require(is_finite(result.pose) && is_finite(result.rms_px));
-  for (const float q : tracker.parameters()) require(is_finite(q));
-}
-
 /// \return whether a track has started.
 bool track(const Model& model) {
   TrackerLimits limits = profile_s();
@@ -119,7 +107,10 @@ bool track(const Model& model) {
   for (std::size_t k = 0; k < kFrames; ++k) {
     FrameResult result;
     const Status status = tracker.update(film().frames[k].view(k), &result);
-    if (status == Status::ok) check(tracker, result);
+    if (status == Status::ok) {
+      require(result.is_searching != tracker.is_started());
+      fuzz::check_result(tracker, result);
+    }
     for (const Landmark& l : model.landmarks()) {
       Vec2 x;
       if (status == Status::ok && tracker.is_started() && tracker.landmark(l.name, &x) == Status::ok)

@@ -10,18 +10,15 @@
 
 #include "aligned_block.hpp"
 #include "model_table.hpp"
-#include "pliant/tracker.hpp"
 #include "renderer.hpp"
+#include "told_results.hpp"
 
 using namespace pliant;
+using fuzz::require;
 
 namespace {
 
 constexpr int kSide = 128;
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 /// The good table, and frames of its model.
 struct Film {
@@ -54,13 +51,6 @@ Film& film() {
   return one;
 }
 
-void check(const Tracker& tracker, const FrameResult& result) {
-  require(result.state <= TrackState::lost && result.landmark_error >= 0 && result.landmark_error <= 1);
-  if (!tracker.is_started() || result.state == TrackState::lost) return;
-  require(is_finite(result.pose) && is_finite(result.rms_px));
-  for (const float q : tracker.parameters()) require(is_finite(q));
-}
-
 void track(const Model& model) {
   TrackerLimits limits = profile_s();
   limits.width = limits.height = kSide;
@@ -78,7 +68,7 @@ void track(const Model& model) {
   for (std::size_t k = 1; k < f.frames.size(); ++k) {
     FrameResult result;
     const Status status = tracker.update(f.frames[k].view(k), &result);
-    if (status == Status::ok) check(tracker, result);
+    if (status == Status::ok) fuzz::check_result(tracker, result);
     for (const Landmark& l : model.landmarks()) {
       Vec2 x;
       if (status == Status::ok && tracker.is_started() && tracker.landmark(l.name, &x) == Status::ok)

@@ -281,14 +281,16 @@ void add_print_loads(const Sizes& s, const TrackerLimits& limits, std::size_t mo
   const double cells = static_cast<double>(most_cells), fits = static_cast<double>(kPrintTuning.solutions);
   plan.search_loads.push_back(
       {"cells of the search", std::min<double>(limits.search_work, cells), cells, kCost.print_cell});
-  const double matches = static_cast<double>(PrintMatcher::most_matches());
-  plan.search_loads.push_back(
-      {"pairs of matches that vote for views", 0, matches * matches, kCost.print_pair});
-  plan.search_loads.push_back({"fits of the print", 0, fits * static_cast<double>(kPrintTuning.most_views),
-                               kCost.print_fit + kCost.print_fit_record * s.all_records});
   plan.start_loads = plan.search_loads;
-  plan.start_loads.rbegin()[1].usual = kUsual.print_matches * kUsual.print_matches;
-  plan.start_loads.back().usual = fits;
+  const auto add_views = [&](Loads& loads, double usual_matches, double usual_fits) {
+    const double matches = static_cast<double>(PrintMatcher::most_matches());
+    loads.push_back({"pairs of matches that vote for views", usual_matches * usual_matches, matches * matches,
+                     kCost.print_pair});
+    loads.push_back({"fits of the print", usual_fits, fits * static_cast<double>(kPrintTuning.most_views),
+                     kCost.print_fit + kCost.print_fit_record * s.all_records});
+  };
+  add_views(plan.search_loads, 0, 0);
+  add_views(plan.start_loads, kUsual.print_matches, fits);
   const double of_fit =
       static_cast<double>(kPrintTuning.block_passes) * static_cast<double>(kPrintTuning.fitted_points) +
       blocks;

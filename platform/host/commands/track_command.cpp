@@ -168,11 +168,14 @@ FrameView first_frame(const Args& args, FrameStream& frames) {
   return frame;
 }
 
+/// Aspects of pixels with which upright detection misses no more faces than with square ones: as kUprightFaceDetection says.
+constexpr float kLeastUprightAspect = 0.67f, kMostUprightAspect = 1.5f;
+
 /// Profile S searches frames as they are (kUprightFaceDetection).
 void warn_of_pixels(const Args& args, const InitialOptions& how, std::ostream& err) {
   if (args.text(kProfileOption.name).value_or("m") != "s" || !how.camera) return;
   const float aspect = how.camera->aspect;
-  if (aspect < 0.67f || aspect > 1.5f)
+  if (aspect < kLeastUprightAspect || aspect > kMostUprightAspect)
     err << kProfileOption.name << " s: some faces are not found, the camera's pixels are far from square\n";
 }
 
@@ -201,9 +204,9 @@ int run_track(const Args& args, Console& console) {
   TrackOutput output(args, model, markers.names, frames.rate(), expected);
   if (args.has("--arkit")) ArkitExpression(model).list_unmatched(file.path(), console.err);
   TrackRun run(frames, make_tracker, options, markers, output, console.err);
-  if (initial)
+  if (initial) {
     run.start(frame, *initial, initial_how);
-  else {
+  } else {
     warn_of_pixels(args, initial_how, console.err);
     run.search(frame, initial_how, file.path());
   }

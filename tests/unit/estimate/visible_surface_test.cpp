@@ -74,6 +74,38 @@ std::size_t count_old_vertices(std::uint32_t lead) {
   return static_cast<std::size_t>(rig.surface->mesh().vertex_count()) - rig.exact_count();
 }
 
+/// A surface that lies over itself, seen from 2 m.
+struct Folded {
+  OpenModel built;
+  InArena<Cascade> cascade;
+  InArena<VisibleSurface> surface;
+  float q = 0;
+  ModelState state;
+
+  template <class Shape>
+  explicit Folded(const Shape& shape)
+      : built(model_of(shape)),
+        cascade(built.model),
+        surface(built.model.parameters().count, VisibleSurfaceLimits{1000, 0, 16, {}}) {
+    state.q = &q;
+    state.view = view_of({{}, {0, 0, 2000}}, centred_camera(640, 480, 2000));
+    REQUIRE(surface->start(built.model) == Status::ok);
+    surface->adapt(cascade.object, state, {});
+  }
+  template <class Shape>
+  static ModelBuilder model_of(const Shape& shape) {
+    ModelBuilder b;
+    b.record(Operation::constant, {}, {}, b.field(3, 65, 9, shape));
+    b.parameter("p", Group::expression, -1, 1, 1);
+    b.grid_mesh(16);
+    b.landmark("p", 0.5f, 0.5f);
+    return b;
+  }
+  bool project(Vec2 uv, Vec2* x) {
+    return Projector(state.view, true).project(cascade->surface_point(uv, &q), x);
+  }
+};
+
 }  // namespace
 
 TEST_CASE("all vertices lie on the surface after a full update, with samples and without") {
@@ -208,23 +240,10 @@ TEST_CASE(
     "where a fold shows two layers to the camera, a place is of the nearer one, whichever comes first in the "
     "chart") {
   for (const float slope_mm : {80.0f, -80.0f}) {
-    ModelBuilder b;  // from above an S
     const auto across = [](float u) { return 100 * (u - 0.5f) + 40 * std::sin(6.2832f * u); };
-    b.record(Operation::constant, {}, {}, b.field(3, 65, 9, [&](float u, float v) {
+    Folded s([&](float u, float v) {  // from above an S
       return Vec3{across(u), 100 * (0.5f - v), slope_mm * u};
-    }));
-    b.parameter("p", Group::expression, -1, 1, 1);
-    b.grid_mesh(16);
-    b.landmark("p", 0.5f, 0.5f);
-    const OpenModel built(b);
-    InArena<Cascade> cascade(built.model);
-    InArena<VisibleSurface> surface(built.model.parameters().count, VisibleSurfaceLimits{1000, 0, 16, {}});
-    float q = 0;
-    ModelState state;
-    state.q = &q;
-    state.view = view_of({{}, {0, 0, 2000}}, centred_camera(640, 480, 2000));
-    REQUIRE(surface->start(built.model) == Status::ok);
-    surface->adapt(cascade.object, state, {});
+    });
     int two_layers = 0;
     for (float u = 0.02f; u < 0.2f; u += 0.01f) {
       float other = 0.8f;  // the layer at the other end that is seen at the same place, if there is one
@@ -234,8 +253,8 @@ TEST_CASE(
       ++two_layers;
       Vec2 x, uv;
       const float nearer = slope_mm > 0 ? other : u;
-      REQUIRE(Projector(state.view, true).project(cascade->surface_point({nearer, 0.47f}, &q), &x));
-      CHECK(surface->surface_at(cascade.object, state, x, &uv) == 0);
+      REQUIRE(s.project({nearer, 0.47f}, &x));
+      CHECK(s.surface->surface_at(s.cascade.object, s.state, x, &uv) == 0);
       CHECK(magnitude(uv.x - nearer) < 0.01f);
     }
     CHECK(two_layers > 5);
@@ -243,27 +262,11 @@ TEST_CASE(
 }
 
 TEST_CASE("a place is of the layer that faces the camera, also where the back of a flap is nearer") {
-  ModelBuilder b;
-  const auto across = [](float u) { return 120 * std::sin(3.1416f * u) - 60; };
-  b.record(Operation::constant, {}, {}, b.field(3, 65, 9, [&](float u, float v) {
-    return Vec3{across(u), 100 * (0.5f - v), 80 * u};
-  }));
-  b.parameter("p", Group::expression, -1, 1, 1);
-  b.grid_mesh(16);
-  b.landmark("p", 0.5f, 0.5f);
-  const OpenModel built(b);
-  InArena<Cascade> cascade(built.model);
-  InArena<VisibleSurface> surface(built.model.parameters().count, VisibleSurfaceLimits{1000, 0, 16, {}});
-  float q = 0;
-  ModelState state;
-  state.q = &q;
-  state.view = view_of({{}, {0, 0, 2000}}, centred_camera(640, 480, 2000));
-  REQUIRE(surface->start(built.model) == Status::ok);
-  surface->adapt(cascade.object, state, {});
+  Folded s([](float u, float v) { return Vec3{120 * std::sin(3.1416f * u) - 60, 100 * (0.5f - v), 80 * u}; });
   for (float u = 0.1f; u < 0.4f; u += 0.02f) {
     Vec2 x, uv;
-    REQUIRE(Projector(state.view, true).project(cascade->surface_point({u, 0.47f}, &q), &x));
-    CHECK(surface->surface_at(cascade.object, state, x, &uv) == 0);
+    REQUIRE(s.project({u, 0.47f}, &x));
+    CHECK(s.surface->surface_at(s.cascade.object, s.state, x, &uv) == 0);
     CHECK(magnitude(uv.x - u) < 0.01f);
   }
 }

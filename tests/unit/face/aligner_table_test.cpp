@@ -5,6 +5,9 @@
 #include <limits>
 
 #include "aligner_pattern.hpp"
+#include "baked_face.hpp"
+#include "model_builder.hpp"
+#include "pliant/face_aligner.hpp"
 
 namespace aligner_table_test {
 
@@ -133,6 +136,21 @@ TEST_CASE("the parts of a table lie one behind the other") {
   const auto padding = end - (table.check_weights().rows + 51 * block_bytes(table.stage(1)));
   CHECK(padding >= 0);
   CHECK(padding < 4);
+}
+
+TEST_CASE("an aligner has room for the landmarks of its table: without one, for the most that one may have") {
+  using namespace aligner_pattern;
+  Bytes table = aligner_pattern::table();
+  const Model& model = baked_face().model;
+  const std::size_t most = measured_bytes<FaceAligner>(model, Span<const std::uint8_t>{}),
+                    samples = (kMostAlignerLandmarks - kLandmarks) * sizeof(Vec3) * model.cascade().count;
+  CHECK(measured_bytes<FaceAligner>(model, table.span()) + samples <= most);
+  for (const int count : {0, 3, 69, 255, 256, 0xffff}) {
+    table.at<AlignerHeader>(0).landmark_count = static_cast<std::uint16_t>(count);
+    seal(table);
+    InArena<FaceAligner> aligner(model, table.span());
+    CHECK(aligner->status() == Status::bad_table);
+  }
 }
 
 }  // namespace aligner_table_test

@@ -395,17 +395,6 @@ TEST_CASE("the memory is what is measured, below 150 KiB, and less of it fails c
   }
 }
 
-TEST_CASE("an aligner has room for the landmarks of its table: without one, for the most that one may have") {
-  Bytes table = aligner_pattern::table();
-  const std::size_t most = measured_bytes<FaceAligner>(baked_face().model, Span<const std::uint8_t>{});
-  CHECK(measured_bytes<FaceAligner>(baked_face().model, table.span()) + 17 * 12 * baked_face().model.cascade().count <= most);
-  for (const int count : {0, 3, 69, 255, 256, 0xffff}) {
-    table.at<AlignerHeader>(0).landmark_count = static_cast<std::uint16_t>(count);
-    aligner_pattern::seal(table);
-    CHECK(Rig(table).aligner.status() == Status::bad_table);
-  }
-}
-
 namespace {
 
 /// A table whose local stage and score, of random weights, depend on what is seen. \param bias  of the appearance.

@@ -231,7 +231,10 @@ TEST_CASE("a window's depth is that of what is stored, however far it is stretch
     Mat2 to_template;
     std::int8_t xx, xy;
     float mm;
-  } kCases[] = {{{1.2f, 0, 0, 1}, 32, 0, 1}, {{1.2f, 0.3f, 0, 1}, 0, 64, 0.97f}};
+  } kCases[] = {
+      {{1.2f, 0, 0, 1}, 32, 0, 1},
+      // Twice the mixed part of 2 mm, by how much of the window's sheared row lies along the other axis.
+      {{1.2f, 0.3f, 0, 1}, 0, 64, 2 * 2 * 0.3f / length(Vec2{1.2f, 0.3f})}};
   for (const auto& c : kCases) {
     CAPTURE(c.mm);
     int count = 0;
