@@ -17,6 +17,10 @@ struct ForceRejection;
 /// The rejection of outlying image forces (image_forces.hpp). A program that does not name it does not link it.
 extern const ForceRejection kForceRejection;
 
+struct MeshFollowing;
+/// The mesh that follows the view (EstimatorOptions::mesh_operations). A program that does not name it does not link it.
+extern const MeshFollowing kMeshFollowing;
+
 /// Capacities: they fix the memory. Defaults are for 320 x 240 on a Linux board; profile_s()
 /// (tracker_profiles.hpp) shows limits for a microcontroller.
 struct EstimatorLimits {
@@ -32,6 +36,9 @@ struct EstimatorLimits {
   const ForceRejection* rejection = &kForceRejection;
   /// If null, the springs of the model's table are ignored and their code is not linked.
   const StretchPrior* stretch = &kStretchPrior;
+  /// If null, the mesh adapts to the surface at the start alone, `start` returns capacity for options with mesh_operations, and
+  /// 2 kB of code are not linked.
+  const MeshFollowing* mesh_following = &kMeshFollowing;
   /// Vertices of the mesh, count: at least those of the model's base mesh. There are twice as many faces.
   std::uint16_t vertices = 512;
   /// Free parameters at once, count. 0: all parameters of the model.
@@ -63,6 +70,13 @@ inline bool is_usable(const EstimatorLimits& limits) {
   const Span<unsigned char>& memory = limits.adaptation_memory;
   return memory.empty() || (memory.data != nullptr && memory.count >= adaptation_bytes(limits.vertices) &&
                             Arena(memory.data, memory.count).is_aligned());
+}
+
+/// The same limits without a mesh that follows the view.
+template <class Limits>
+constexpr Limits without_mesh_following(Limits limits) {
+  limits.mesh_following = nullptr;
+  return limits;
 }
 
 /// The same limits without a field of the person.

@@ -105,7 +105,7 @@ class Tracker {
   /// \return not_started (no track and no detection), bad_table, bad_checksum and their like (detector, aligner or print is
   ///         damaged; bad_table also for a model that lacks landmarks of the aligner), bad_argument, size_mismatch,
   ///         stale_frame (neither the time nor the sequence number is later than the last frame's): nothing has changed then. Or
-  ///         capacity: what was found cannot be tracked within the limits (free_parameters, samples_per_point, keeps_adaptation).
+  ///         capacity: what was found cannot be tracked within the limits (free_parameters, samples_per_point, mesh_following).
   Status update(const FrameView& frame, FrameResult* result);
 
   // Preconditions of what follows: the tracker was laid out, and pointers for results are not null. Without a layout, what returns

@@ -87,9 +87,9 @@ struct TrackerLimits {
   /// Side of the grid over (u,v) that notes image texture for an adaptive mesh
   /// (EstimatorOptions::mesh_operations), cells; one byte a cell. 0: the mesh adapts to the view alone.
   std::uint8_t texture_cells = 0;
-  /// Keeps the memory of mesh adaptation, 48 bytes a vertex. EstimatorOptions::mesh_operations needs it;
-  /// `start` returns capacity without. If false, other parts use it between starts.
-  bool keeps_adaptation = true;
+  /// As EstimatorLimits::mesh_following. If null, the memory of mesh adaptation, 48 bytes a vertex, is used by other parts between
+  /// starts.
+  const MeshFollowing* mesh_following = &kMeshFollowing;
   /// Landmarks that `start_from_landmarks` takes at most. The fit uses the memory of the tracking, before it; where it
   /// needs more, the block grows.
   std::uint16_t start_points = 68;

@@ -58,15 +58,15 @@ constexpr TrackerLimits profile_s() {
   l.key_patches = 16;
   l.key_frames = 2;
   l.patch_margin = 2;
-  l.keeps_previous = l.copies_frame = l.keeps_templates = l.keeps_adaptation = false;
+  l.keeps_previous = l.copies_frame = l.keeps_templates = false;
   l.thumbnail_width = 48;
   l.search_work = 4000;
   l.detection = &kUprightDetection;
   l.free_parameters = 40;
   l.samples_per_point = 44;
   l.samples_vertices = false;
-  return without_noise_smoothing(without_second_look(
-      without_person(without_edges(without_stretch(without_rejection(without_personal_field(l)))))));
+  return without_noise_smoothing(without_second_look(without_person(
+      without_edges(without_stretch(without_rejection(without_personal_field(without_mesh_following(l))))))));
 }
 
 /// Profile L, for a desktop or a fast board: 640 x 480, 220 + 80 templates, edges, 2,048 vertices.

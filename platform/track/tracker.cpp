@@ -10,7 +10,8 @@ namespace pliant {
 namespace {
 
 EstimatorLimits estimator_limits(const TrackerLimits& limits) {
-  EstimatorLimits e = without_personal_field(without_stretch(without_rejection(EstimatorLimits{})));
+  EstimatorLimits e =
+      without_mesh_following(without_personal_field(without_stretch(without_rejection(EstimatorLimits{}))));
   e.points = static_cast<std::uint16_t>(all_points(limits));
   e.silhouette_points = limits.edges == nullptr ? std::uint16_t{0} : limits.silhouette_points;
   e.vertices = limits.vertices;
@@ -20,6 +21,7 @@ EstimatorLimits estimator_limits(const TrackerLimits& limits) {
   e.rejection_sample = limits.rejection_sample;
   e.rejection = limits.rejection;
   e.stretch = limits.stretch;
+  e.mesh_following = limits.mesh_following;
   e.personal_field = limits.personal_field;
   e.personalise = limits.personalise;
   return e;
@@ -33,7 +35,7 @@ void TrackerParts::lay_out_tracking(Arena& arena, TrackerParts* parts, const Mod
                                     const TrackerLimits& limits) {
   lay_out_part(arena, static_cast<ImageParts*>(parts), model, limits);
   EstimatorLimits of_estimator = estimator_limits(limits);
-  if (!limits.keeps_adaptation)
+  if (limits.mesh_following == nullptr)
     of_estimator.adaptation_memory = {parts == nullptr ? nullptr : parts->scratch.data,
                                       adaptation_bytes(limits.vertices)};
   lay_out_part(arena, parts == nullptr ? nullptr : &parts->estimator, model, of_estimator);
@@ -103,7 +105,7 @@ void ImageParts::lay_out_unused_between_frames(Arena& arena, const Model& model,
   prediction_index = arena.take<std::uint16_t>(all_points(limits));
   arena.count_as(Purpose::corners);
   std::size_t bytes = TemplatePlacement::scratch_bytes(limits);
-  if (!limits.keeps_adaptation) bytes = larger(bytes, adaptation_bytes(limits.vertices));
+  if (limits.mesh_following == nullptr) bytes = larger(bytes, adaptation_bytes(limits.vertices));
   if (limits.detection != nullptr && limits.detection->read_bytes != nullptr)
     bytes = larger(bytes, limits.detection->read_bytes(model, limits));
   if (limits.detection != nullptr) {  // a check takes the other parts' memory, too

@@ -78,8 +78,9 @@ struct SharedBlock {
 /// the search for a face, and the fit of a start.
 struct TrackerParts : ImageParts {
   // Set by lay_out. The default limits would link all that is optional into every program.
-  TrackerLimits limits = without_noise_smoothing(without_second_look(without_person(without_edges(
-      without_detection(without_stretch(without_rejection(without_personal_field(TrackerLimits{}))))))));
+  TrackerLimits limits = without_noise_smoothing(
+      without_second_look(without_person(without_edges(without_detection(without_stretch(
+          without_rejection(without_personal_field(without_mesh_following(TrackerLimits{})))))))));
   Model table;
   Span<float> start_q;
   LandmarkOffsets offsets;

@@ -49,7 +49,7 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   impl_->springs = springs;
   impl_->personalise = limits.personal_field.width > 0 ? limits.personalise : nullptr;
   impl_->sample_capacity = samples;
-  impl_->keeps_adaptation = limits.adaptation_memory.empty();
+  impl_->mesh_following = limits.adaptation_memory.empty() ? limits.mesh_following : nullptr;
 }
 
 Status Estimator::start(const Camera& camera, int width, int height, const Pose& pose, const float* q,
@@ -64,7 +64,7 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   Status status = Lens::make(camera, width, height, &lens);
   if (status != Status::ok) return status;
   s.started = false;
-  if (options.mesh_operations > 0 && !s.keeps_adaptation) return Status::capacity;
+  if (options.mesh_operations > 0 && s.mesh_following == nullptr) return Status::capacity;
   status = s.choose_free(is_free);
   const bool keeps_mesh = options.mesh_error_mm < 0 && s.surface.mesh().vertex_count() > 0;
   if (status == Status::ok && !keeps_mesh) status = s.surface.start(model());
@@ -125,6 +125,7 @@ MeshPolicy Estimator::Impl::mesh_policy(const EstimatorOptions& options) const {
   MeshPolicy policy;
   policy.error_mm = options.mesh_error_mm;
   policy.operations = options.mesh_operations;
+  policy.following = options.mesh_operations > 0 ? mesh_following : nullptr;
   policy.vertex_budget = options.vertex_budget;
   policy.texture = options.texture;
   policy.view.pose = pose_of(state.view);

@@ -65,15 +65,11 @@ void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const Mesh
   contour_criterion_.max_mm = kTuning.most_over_mean_error * policy.error_mm;
   Criterion criterion = criterion_of(contour_criterion_);
   AdaptOptions options;
-  if (policy.operations > 0) {
+  if (policy.following != nullptr) {
     options.vertex_budget = policy.vertex_budget;
-    criterion = criterion_of(policy_.view);
-    if (policy.texture.score != nullptr) {
-      view_and_texture_ = {criterion, criterion_of(policy_.texture)};
-      criterion = criterion_of(view_and_texture_);
-    }
+    criterion = (this->*policy.following->criterion)();
   }
-  const bool adapts = policy.error_mm > 0 || policy.operations > 0;
+  const bool adapts = policy.error_mm > 0 || policy.following != nullptr;
   if (adapts && adapter_.start(mesh_, surface, criterion) == Status::ok) adapter_.adapt(options);
   forget_unused_samples();  // a mesh that is kept has those of the person before, also of vertices that it has just lost
   if (keeps_samples()) first_outdated_ = 0;
@@ -83,28 +79,6 @@ void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const Mesh
 /// The surface that the mesh is adapted to. A vector that hardly moves a vertex bends a triangle by much less.
 void VisibleSurface::select_surface(Cascade& cascade) const {
   cascade.select(surface_q_, kTuning.table_slack_mm);
-}
-
-void VisibleSurface::follow_view(Cascade& cascade, const ModelState& state, std::uint32_t frame) {
-  if (policy_.operations == 0) return;
-  select_surface(cascade);
-  if (has_new_surface_) adapter_.resample();
-  has_new_surface_ = false;
-  policy_.view.pose = pose_of(state.view);
-  constexpr int kParts = kTuning.rank_interval_frames;
-  adapter_.rerank(static_cast<int>(frame % static_cast<std::uint32_t>(kParts)), kParts);
-  AdaptOptions options;
-  options.vertex_budget = policy_.vertex_budget;
-  options.max_operations = policy_.operations;
-  const AdaptReport report = adapter_.adapt(options);
-  if (report.splits + report.welds == 0) return;
-  if (!keeps_samples()) return update(cascade, state, frame, 1, true);
-  // One that is welded before its turn to be renewed would keep its samples, where a split takes its id for the same place.
-  if (first_outdated_ != kNone) forget_unused_samples();
-  for (VertexId v : mesh_.vertices()) {
-    const Vec2 uv = mesh_.uv(v);
-    if (uv.x != uv_[v].x || uv.y != uv_[v].y) place_vertex(cascade, state.q, v);
-  }
 }
 
 void VisibleSurface::place_vertex(Cascade& cascade, const float* q, VertexId v) {

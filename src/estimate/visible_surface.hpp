@@ -75,12 +75,23 @@ struct VertexTurn {
   bool is_of(VertexId v) const { return interval <= 1 || (v + frame) % interval == 0; }
 };
 
+class VisibleSurface;
+
+/// Functions of a mesh that follows the view. They are called through this table only, so that a program whose limits name no table
+/// does not link what is behind it: the criteria of view and texture, and the ranking of a mesh once more.
+struct MeshFollowing {
+  /// As MeshPolicy has it.
+  Criterion (VisibleSurface::*criterion)();
+  void (VisibleSurface::*follow)(Cascade& cascade, const ModelState& state, std::uint32_t frame);
+};
+
 /// How VisibleSurface adapts its mesh.
 struct MeshPolicy {
   float error_mm = 0.3f;            ///< mean error of the mesh at the start
-  std::uint16_t operations = 0;     ///< splits and welds a frame; 0: the mesh stays
-  std::uint16_t vertex_budget = 0;  ///< while it adapts; 0: the capacity
-  ViewOptions view;                 ///< the view criterion, where operations > 0
+  const MeshFollowing* following = nullptr;  ///< null: the mesh stays
+  std::uint16_t operations = 0;              ///< splits and welds a frame, at most
+  std::uint16_t vertex_budget = 0;           ///< while it follows; 0: the capacity
+  ViewOptions view;                          ///< the view criterion
   TextureOptions texture;           ///< the texture criterion, if its score is not null
 };
 
@@ -98,9 +109,11 @@ class VisibleSurface {
   /// \param keeps_vertices  those that have samples are near the surface: some move there now, and some in each call of `update`.
   void adapt(Cascade& cascade, const ModelState& state, const MeshPolicy& policy,
              bool keeps_vertices = false);
-  /// Makes at most policy.operations splits and welds for the view of `state`. The surface is that of `adapt`, so that
-  /// ranks of different frames are comparable.
-  void follow_view(Cascade& cascade, const ModelState& state, std::uint32_t frame);
+  /// If the policy follows the view, makes at most policy.operations splits and welds for that of `state`. The surface is that of
+  /// `adapt`, so that ranks of different frames are comparable.
+  void follow_view(Cascade& cascade, const ModelState& state, std::uint32_t frame) {
+    if (policy_.following != nullptr) (this->*policy_.following->follow)(cascade, state, frame);
+  }
 
   /// Parameters that are not free have changed to those in q, and the model has turned: q becomes q * turn. The vertices turn
   /// with it at once. Their samples are out of date: `update` renews some in each call, and moves the others no more before that.
@@ -131,6 +144,10 @@ class VisibleSurface {
   const Mesh& mesh() const { return mesh_; }
   const Vec3* positions() const { return position_; }
   const Vec2* images() const { return image_; }
+
+  // Those of MeshFollowing.
+  Criterion view_criterion();
+  void adapt_to_view(Cascade& cascade, const ModelState& state, std::uint32_t frame);
 
  private:
   bool keeps_samples() const { return samples_per_vertex_ > 0; }

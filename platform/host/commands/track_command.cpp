@@ -146,7 +146,7 @@ std::optional<Initial> initial_of(const Args& args, const ModelFile& file, const
 void check_profile(const Args& args, const TrackerOptions& options) {
   const TrackerLimits limits = tracker_limits(args, std::nullopt);
   const std::string profile = kProfileOption.name + (" " + args.text(kProfileOption.name).value_or("m"));
-  if (options.estimator.mesh_operations > 0 && !limits.keeps_adaptation)
+  if (options.estimator.mesh_operations > 0 && limits.mesh_following == nullptr)
     fail_usage("--mesh-operations does not apply to " + profile +
                ", which has no memory for mesh adaptation");
   if (!args.has("--cues")) return;

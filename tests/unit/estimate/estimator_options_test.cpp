@@ -251,6 +251,22 @@ TEST_CASE("the rejection takes no larger sample than it has room for") {
 }
 
 TEST_CASE(
+    "without a mesh that follows the view its operations are refused, and the mesh of the start is the "
+    "same") {
+  Tracked usual({});
+  const Scene scene;
+  InArena<Estimator> estimator(scene.model, without_mesh_following(scene.limits));
+  const auto start = [&](const EstimatorOptions& options) {
+    return estimator->start(scene.camera, kWidth, kHeight, Scene::pose(0), scene.q.data(), nullptr, options);
+  };
+  EstimatorOptions follows;
+  follows.mesh_operations = 1;
+  CHECK(start(follows) == Status::capacity);
+  REQUIRE(start({}) == Status::ok);
+  CHECK(estimator->mesh().vertex_count() == usual.estimator->mesh().vertex_count());
+}
+
+TEST_CASE(
     "memory for adaptation that is too small or not aligned is refused; enough of it gives the same mesh") {
   const Scene scene;
   EstimatorLimits limits = scene.limits;

@@ -46,6 +46,7 @@ struct Rig {
 std::size_t count_old_vertices(std::uint32_t lead) {
   Rig rig;
   MeshPolicy follows;
+  follows.following = &kMeshFollowing;
   follows.operations = 100;
   follows.view = {pose_of(rig.egg.state.view), rig.egg.camera.f, 320, 240, 640, 480};
   follows.view.tolerance_px = 0.005f;
@@ -330,6 +331,7 @@ TEST_CASE("a finer tolerance gives a finer mesh, and operations follow the view 
   }
   CHECK(count[1] > count[0] + 20);
   MeshPolicy follows;
+  follows.following = &kMeshFollowing;
   follows.operations = 20;
   follows.vertex_budget = 150;
   follows.view.pose = pose_of(rig.egg.state.view);
