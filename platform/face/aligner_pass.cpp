@@ -32,6 +32,8 @@ void AlignerPass::lay_out(Arena& arena, const Model& model, std::size_t landmark
   if (use != AlignerUse::spread_alignment) {
     picture_.lay_out(arena);
     gradients_.lay_out(arena);
+  } else {
+    motion_ = arena.take<FaceMotion>(1);
   }
   shape_.lay_out(arena, model, landmarks, use);
   block_ = arena.take<std::uint8_t>(static_cast<std::size_t>(kMostBlockBytes));
@@ -82,6 +84,20 @@ bool AlignerPass::take_picture(const FrameView& frame) {
   picture_.take(frame, middle, max(1, kFaceBoxMm * shape_.view().s) / kFacePictureTuning.face_px,
                 gradients_.scratch());
   return true;
+}
+
+/// Behind what pictures need there.
+FaceMotion& AlignerPass::motion() {
+  constexpr std::size_t kColumns =
+      static_cast<std::size_t>(kFacePictureTuning.side_px * kFacePictureTuning.most_samples);
+  static_assert(kColumns * sizeof(int) + sizeof(FaceMotion) <= 2 * kMostCropPx * kMostCropPx, "");
+  return motion_ != nullptr ? *motion_ : *reinterpret_cast<FaceMotion*>(gradients_.scratch() + kColumns);
+}
+
+bool AlignerPass::follow(const FrameView& frame) {
+  picture_.take(frame, picture_.centre(), picture_.ratio(), gradients_.scratch());
+  shape_.move(motion().since_kept(picture_));
+  return take_picture(frame);
 }
 
 void AlignerPass::prepare(const AlignerStage& stage) {

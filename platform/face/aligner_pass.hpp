@@ -2,6 +2,7 @@
 // One pass of alignment over a face: an upright crop at the present pose, blocks around its landmarks, and
 // the displacements that a table predicts from them. Runtime and training run the same code.
 #include "face/aligner_table.hpp"
+#include "face/face_motion.hpp"
 #include "face/face_picture.hpp"
 #include "face/face_shape.hpp"
 #include "face/gradient_map.hpp"
@@ -39,6 +40,10 @@ class AlignerPass {
   void set_aspect(float aspect) { picture_.set_aspect(aspect); }
   /// The same picture of another frame, at the present pose.
   bool take_picture(const FrameView& frame);
+  /// Keeps what `follow` compares. No other call of this object may come between.
+  void keep_picture() { motion().keep(picture_); }
+  /// The picture of a later frame, with the face moved as it has since the picture that was kept. \return as `take_picture`.
+  bool follow(const FrameView& frame);
 
   /// Cuts out the crop of a stage at the present pose.
   void prepare(const AlignerStage& stage);
@@ -67,7 +72,10 @@ class AlignerPass {
   Vec2 predict_global(const AlignerStage& stage, const GlobalWeights& weights, std::size_t index,
                       Vec2 x) const;
 
+  FaceMotion& motion();
+
   FacePicture picture_;
+  FaceMotion* motion_ = nullptr;  // null: in the memory of the gradients
   GradientMap gradients_;
   FaceShape shape_;
   CropMap map_;

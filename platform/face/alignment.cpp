@@ -162,7 +162,7 @@ bool Alignment::run_next_stage() {
 
 Status Alignment::take_steps(const FrameView& frame, int steps, AlignedFace* face, float* q,
                              Span<Vec2> landmarks) {
-  if (!pass.take_picture(frame)) {
+  if (!(begun->next_stage == 0 ? pass.take_picture(frame) : pass.follow(frame))) {
     begun->steps_left = 0;
     return Status::not_found;
   }
@@ -171,7 +171,10 @@ Status Alignment::take_steps(const FrameView& frame, int steps, AlignedFace* fac
       begun->steps_left = 0;
       return Status::not_found;
     }
-  if (steps <= 0) return Status::ok;
+  if (steps <= 0) {
+    pass.keep_picture();
+    return Status::ok;
+  }
   begun->steps_left = 0;
   *face = conclude();
   if (!landmarks.empty()) write_landmarks(landmarks);

@@ -57,6 +57,9 @@ class FacePicture {
   /// \param columns  scratch, side * most_samples values.
   void take(const FrameView& frame, Vec2 centre, float ratio, int* columns);
 
+  /// As taken: the middle of the part, px of the frame, and px of the frame a pixel.
+  Vec2 centre() const { return first_ + 0.5f * ratio_ * Vec2{last(), last()}; }
+  float ratio() const { return ratio_; }
   int side() const { return side_; }                      ///< px
   const std::uint8_t* pixels() const { return pixels_; }  ///< side squared, rows without padding
   /// A position in px of the frame, in px of this picture.
@@ -64,6 +67,8 @@ class FacePicture {
   Vec2 along_from_frame(Vec2 d) const { return (1.0f / ratio_) * d; }  ///< The same of a displacement.
 
  private:
+  float last() const { return static_cast<float>(side_ - 1); }
+
   int side_ = 0;
   std::uint8_t* pixels_ = nullptr;
   Vec2 first_;       // px of the frame: the middle of pixel (0, 0)

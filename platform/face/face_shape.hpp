@@ -74,6 +74,9 @@ class FaceShape {
   /// Moves pose and free parameters by one Gauss-Newton step. \param prior  weight of the parameters' prior.
   void finish(float prior);
 
+  /// Moves the face in the image. \param by  px of the frame, finite.
+  void move(Vec2 by) { view_.tau = view_.tau + (1.0f / view_.s) * by; }
+
   /// Image position of any point of the surface. \return false if it is not before the camera.
   bool project(Vec2 uv, Vec2* x);
 

@@ -1,5 +1,6 @@
 #include "track/face_checks.hpp"
 
+#include "base/integers.hpp"
 #include "track/detection_state.hpp"
 #include "track/frame_worth.hpp"
 
@@ -22,7 +23,8 @@ void FaceChecks::begin_track(float landmark_error, bool is_of_known_person) {
   if (!is_of_known_person) is_doubtful_ = is_aligned_;
   // A start that nothing has verified is checked in its own frame.
   frames_since_ = is_aligned_ ? 0 : kTuning.check_interval_frames;
-  bad_ = good_ = 0;
+  if (has_stayed_poor()) patience_ = smaller(2 * patience_, kTuning.most_poor_checks);
+  bad_ = good_ = poor_ = 0;
   see();
 }
 
@@ -58,6 +60,11 @@ inline bool FaceChecks::check(const FrameView& frame, Estimator& estimator, Span
                         : face.landmark_error;
   if (face.least_part >= kTuning.least_part || landmark_error_ <= kTuning.doubtful_error)
     is_doubtful_ = false;
+  ++poor_;
+  if (!is_aligned_ || !(is_doubtful_ || landmark_error_ > kTuning.most_landmark_error)) {
+    poor_ = 0;
+    patience_ = kTuning.poor_checks;
+  }
   return true;
 }
 

@@ -34,6 +34,11 @@ struct FaceChecksTuning {
   /// guess: a track that an alignment began is degraded until a check sees all parts, or estimates the landmark error at
   /// `doubtful_error` at most. Chosen on twelve people (docs/experiments.md, Covered parts).
   float least_part = -2;
+  /// Checks in a row that leave a track degraded, after which it is given up where the limits have no second looks: what covered
+  /// the face at the start may be gone, or the face is larger now. After each such track the number doubles, up to the most, until
+  /// a check finds the track good. Of 4, 8, 16 and 32 chosen by films of portraits
+  /// (docs/experiments.md, Searches and first checks).
+  int poor_checks = 8, most_poor_checks = 256;
   /// Cosine of the head's turn away from the camera beyond which a tracked frame is degraded: 50 degrees. Of the built-in face's
   /// landmarks on the far side that a frontal face shows, a third are then seen; 11 of 19 at 40 degrees, 1 of 19 at 60.
   float least_facing = 0.643f;
@@ -74,6 +79,8 @@ class FaceChecks {
   /// 742 instead of 637 frames with profile S; where those of a start from the caller's landmarks hurry as well, heads
   /// that turn have 2.4 instead of 2.0 degrees at 95 %.
   bool is_urgent() const { return bad_ > 0 || (is_aligned_ && !has_confirmed() && is_due()); }
+  /// Whether so many checks in a row have left the track degraded that another start may be better.
+  bool has_stayed_poor() const { return poor_ >= patience_; }
   /// Whether the last check was bad: no face is seen where the track is.
   bool is_refuted() const { return bad_ > 0; }
   /// Whether enough checks were good for the person to be known.
@@ -86,7 +93,7 @@ class FaceChecks {
 
   const FaceModules* modules_ = nullptr;
   int most_bad_frames_ = 0, blind_frames_ = 0;
-  int frames_since_ = 0, bad_ = 0, good_ = 0;
+  int frames_since_ = 0, bad_ = 0, good_ = 0, poor_ = 0, patience_ = kFaceChecksTuning.poor_checks;
   bool is_aligned_ = false;  // the track began where an alignment put it, not at the caller's landmarks
   // No check since the alignment that gave the person's shape has seen all parts of the face.
   bool is_doubtful_ = false;

@@ -79,7 +79,9 @@ Status search(TrackerParts& t, const FrameView& view) {
   TrackerOptions options = self.kept.options;
   // To refine the mesh takes as long as two frames of the track, which does not depend on it.
   if (self.face_search.spreads_work()) options.estimator.mesh_error_mm = 0;
-  return answer_of(start_found(t, view, found, options));
+  status = start_found(t, view, found, options);
+  if (status == Status::too_few_points) self.face_search.expect_again(found.pose.q);
+  return answer_of(status);
 }
 
 void end_search(TrackerParts& t) {
@@ -116,7 +118,8 @@ void conclude(TrackerParts& t, const FrameView& view) {
   if (!is_bad) {
     const bool checks = self.checks.is_due() && t.budget.take(check, kWork);
     goes_on = self.checks.conclude(view, t.estimator, checks, t.unused_between_frames, &t.result) &&
-              !self.poor_start.is_over(view, t.estimator);
+              !self.poor_start.is_over(view, t.estimator) &&
+              !(self.look == nullptr && self.checks.has_stayed_poor() && is_free(t));
     if (self.parts != nullptr && !self.checks.is_refuted()) t.result.gaze = self.parts->gaze;
   }
   const SecondLook* const second = self.look != nullptr ? t.limits.second_look : nullptr;

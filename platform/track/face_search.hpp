@@ -74,6 +74,8 @@ class FaceSearch {
     last_ = last;
     last_rotation_ = rotation;
   }
+  /// The face that was found is expected there once more: blur, or too much light, has left no templates for a track.
+  void expect_again(const Quat& rotation) { expect(candidates_.next().box, rotation); }
   /// A track has begun: the memory of the search is the track's now.
   void end();
 

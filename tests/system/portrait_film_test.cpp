@@ -156,6 +156,15 @@ Exposed track_exposed(const TrackerLimits& limits) {
   return out;
 }
 
+/// The picture as a camera sees it that has moved: its border goes on.
+Image shaken(const Image& grey, int x, int y) {
+  Image out = grey;
+  for (int j = 0; j < out.height; ++j)
+    for (int i = 0; i < out.width; ++i)
+      *out.at(i, j) = *grey.at(std::clamp(i - x, 0, grey.width - 1), std::clamp(j - y, 0, grey.height - 1));
+  return out;
+}
+
 }  // namespace
 
 TEST_CASE("a face that a cup covered at the start is aligned anew once the cup is gone") {
@@ -175,6 +184,25 @@ TEST_CASE("while the exposure hunts, a face is tracked in many frames that its t
                      << plain.tracked);
   CHECK(aligned.tracked > plain.tracked + 20);
   CHECK(aligned.error < 0.07);
+}
+
+TEST_CASE(
+    "with profile S a face is found whose search and alignment are spread over frames of a camera that "
+    "shakes") {
+  const auto [picture, truth] = close_up();
+  InArena<Tracker> tracker(face().model(),
+                           limits_for(picture, with_detection(profile_s(), kUprightFaceDetection)));
+  constexpr int kAside[] = {0, 8, -1, 7, 0, -8, 1, -7}, kDown[] = {0, 5, 9, 2, -4, 3, -5, 4};  // px
+  std::size_t k = 0;
+  constexpr std::size_t kAlone = 12;  // frames in which the same camera at rest has found it
+  for (FrameResult result; k < kAlone && !tracker->is_started(); ++k) {
+    const Image seen = shaken(picture, kAside[k % 8], kDown[k % 8]);
+    REQUIRE(tracker->update(frame_of(seen, k), &result) == Status::ok);
+  }
+  REQUIRE(tracker->is_started());
+  const std::size_t last = (k - 1) % 8;
+  const Vec2 shift{static_cast<float>(kAside[last]), static_cast<float>(kDown[last])};
+  CHECK(error_of(tracker.object, truth, shift) < 0.06);  // as a portrait counts as right
 }
 
 TEST_CASE("a face is found at any roll, and again at that roll after it was hidden") {

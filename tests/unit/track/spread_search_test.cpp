@@ -1,0 +1,106 @@
+// Starts whose search and alignment are spread over frames, as profile S has them. Detection is a fake that knows the truth.
+#include <doctest/doctest.h>
+
+#include "fake_faces.hpp"
+#include "model_builder.hpp"
+
+namespace spread_search_test {
+
+using namespace pliant;
+
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240;
+constexpr std::size_t kFrames = 100;
+
+const FaceFilm& film() {
+  static const FaceFilm* one = new FaceFilm(
+      kWidth, kHeight, kFrames, [](float s, Pose& pose, auto&) { pose.t.x += 30 * s; }, 0.5f);
+  return *one;
+}
+
+TrackerLimits limits_of_search() {
+  TrackerLimits limits = limits_with_fake();
+  limits.search_work = 3 * kFaceSearchTuning.cells_a_step;
+  return limits;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a face that was found in a picture without texture is aligned at once in the next ones, not searched "
+    "again") {
+  FakeFaces fake(film());
+  fake.calls_a_search = 6;
+  InArena<Tracker> tracker(baked_face().model, limits_of_search());
+  const std::vector<std::uint8_t> white(static_cast<std::size_t>(kWidth * kHeight), 255);
+  std::size_t k = 0;
+  FrameResult result;
+  for (; fake.steps < fake.steps_an_alignment;
+       ++k) {  // until the first alignment has ended in such a picture
+    FrameView view = film().view(k);
+    view.data = white.data();
+    REQUIRE(tracker->update(view, &result) == Status::ok);
+    CHECK(result.state == TrackState::lost);
+  }
+  CHECK_FALSE(tracker->is_started());
+  const int searches = fake.searches;
+  std::size_t frames = 0;
+  while (!tracker->is_started()) {
+    REQUIRE(++frames < 10);
+    result = update(tracker.object, film(), k++);
+  }
+  CHECK(fake.searches == searches);
+  CHECK(fake.alignments == 2);
+  CHECK(result.state == TrackState::tracking);
+}
+
+TEST_CASE(
+    "a track that stays poor is given up where there are no second looks, each time after twice as many "
+    "checks") {
+  FakeFaces fake(film());
+  fake.error = fake.held_error = 1.5f * kFaceChecksTuning.most_landmark_error;
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  std::vector<std::size_t> starts;
+  std::uint32_t number = 0;
+  for (std::size_t k = 0; k < kFrames; ++k) {
+    CHECK(update(tracker.object, film(), k).state != TrackState::tracking);
+    if (tracker->is_started() && tracker->track_number() != number) {
+      number = tracker->track_number();
+      starts.push_back(k);
+    }
+  }
+  REQUIRE(starts.size() == 3);
+  const auto first =
+      static_cast<std::size_t>(kFaceChecksTuning.poor_checks * kFaceChecksTuning.check_interval_frames);
+  CHECK(starts[1] - starts[0] > first - 2);
+  CHECK(starts[1] - starts[0] < first + 2);
+  CHECK(starts[2] - starts[1] > 2 * first - 2);
+  CHECK(starts[2] - starts[1] < 2 * first + 2);
+
+  fake.error = 0.02f;  // and the next start is a good one
+  InArena<Tracker> good(baked_face().model, limits_with_fake());
+  for (std::size_t k = 0; k < kFrames; ++k)
+    CHECK(update(good.object, film(), k).state == TrackState::tracking);
+  CHECK(good->track_number() == 1);
+}
+
+TEST_CASE("a poor track is not given up where the caller has placed markers, which a new one would lose") {
+  FakeFaces fake(film());
+  fake.error = fake.held_error = 1.5f * kFaceChecksTuning.most_landmark_error;
+  const Vec2 nose = film().truth("nose_tip", 0);
+  const FaceBox box = fake.box(0);
+  StartOptions start;
+  start.box = BoxConvention::face_box;
+  const Vec2 half{0.5f * box.side, 0.5f * box.side};
+  TrackerLimits limits = limits_with_fake();
+  limits.markers = 1;
+  InArena<Tracker> marked(baked_face().model, limits);
+  REQUIRE(marked->start_from_box(film().view(0), box.center - half, 2.0f * half, start, {}, {&nose, 1}) ==
+          Status::ok);
+  for (std::size_t k = 1; k < kFrames; ++k)
+    CHECK(update(marked.object, film(), k).state == TrackState::degraded);
+  CHECK(marked->track_number() == 1);
+}
+
+}  // namespace spread_search_test
