@@ -48,6 +48,7 @@ struct Instructions {
   double strip_column = 23000;  ///< of the frame: rows above the one where the search goes on
   double turned_pixel = 50;
   double alignment_step = 1.8e6, alignment_end = 1.1e6;
+  double face_motion = 0.9e6;    ///< since the frame before, where an alignment is spread over frames
   double personal_sample = 9.5;  ///< of one field at one sample of the person's
   double adapted_vertex = 60000;
   double captured_record = 400;  ///< of a template of frame 0
@@ -377,6 +378,8 @@ void add_detection_loads(const Model& model, const AlignerTable& table, const Tr
   add_search_loads(plan.search, limits.width, plan.search_loads);
   plan.start_loads =
       plan.search.does_both ? plan.search_loads : Loads{{"steps of alignments", 1, 1, kCost.alignment_step}};
+  if (!plan.search.does_both)
+    plan.start_loads.push_back({"motions of the face since the frame before", 1, 1, kCost.face_motion});
   plan.start_loads.push_back({"ends of alignments", 1, 1, kCost.alignment_end});
   const double readings = kPartFitTuning.start_centrings + 1;
   if (!model.parts().empty())
