@@ -7,39 +7,15 @@
 
 #include "model_builder.hpp"
 #include "pliant/estimator_options.hpp"
-#include "posed_egg.hpp"
 #include "random.hpp"
+#include "surface_rig.hpp"
 
 namespace visible_surface_test {
 
 using namespace pliant;
+using Rig = EggSurface;
 
 namespace {
-
-struct Rig {
-  PosedEgg egg;
-  InArena<VisibleSurface> surface;
-
-  explicit Rig(float turn = 0, bool keeps_samples = true)
-      : egg(turn),
-        surface(egg.parameters(),
-                VisibleSurfaceLimits{300, keeps_samples ? egg.samples() : std::size_t{0}, 16, {}}) {
-    REQUIRE(surface->start(egg.model) == Status::ok);
-    surface->adapt(egg.cascade.object, egg.state, {});
-    update(0, 1);
-  }
-  void update(std::uint32_t frame, std::uint32_t interval) {
-    surface->update(egg.cascade.object, egg.state, frame, interval, interval <= 1);
-  }
-  /// Vertices that lie where the surface is.
-  std::size_t exact_count() {
-    std::size_t n = 0;
-    for (VertexId v : surface->mesh().vertices())
-      n += length(surface->positions()[v] - egg.cascade->surface_point(surface->mesh().uv(v), egg.state.q)) <
-           0.05f;
-    return n;
-  }
-};
 
 /// The surface of a person that changes while the mesh becomes coarser, `lead` frames after it has begun to. \return vertices that
 /// are not on it when the mesh is fine again.
@@ -74,38 +50,6 @@ std::size_t count_old_vertices(std::uint32_t lead) {
   rig.update(frame, 1);
   return static_cast<std::size_t>(rig.surface->mesh().vertex_count()) - rig.exact_count();
 }
-
-/// A surface that lies over itself, seen from 2 m.
-struct Folded {
-  OpenModel built;
-  InArena<Cascade> cascade;
-  InArena<VisibleSurface> surface;
-  float q = 0;
-  ModelState state;
-
-  template <class Shape>
-  explicit Folded(const Shape& shape)
-      : built(model_of(shape)),
-        cascade(built.model),
-        surface(built.model.parameters().count, VisibleSurfaceLimits{1000, 0, 16, {}}) {
-    state.q = &q;
-    state.view = view_of({{}, {0, 0, 2000}}, centred_camera(640, 480, 2000));
-    REQUIRE(surface->start(built.model) == Status::ok);
-    surface->adapt(cascade.object, state, {});
-  }
-  template <class Shape>
-  static ModelBuilder model_of(const Shape& shape) {
-    ModelBuilder b;
-    b.record(Operation::constant, {}, {}, b.field(3, 65, 9, shape));
-    b.parameter("p", Group::expression, -1, 1, 1);
-    b.grid_mesh(16);
-    b.landmark("p", 0.5f, 0.5f);
-    return b;
-  }
-  bool project(Vec2 uv, Vec2* x) {
-    return Projector(state.view, true).project(cascade->surface_point(uv, &q), x);
-  }
-};
 
 }  // namespace
 
@@ -242,7 +186,7 @@ TEST_CASE(
     "chart") {
   for (const float slope_mm : {80.0f, -80.0f}) {
     const auto across = [](float u) { return 100 * (u - 0.5f) + 40 * std::sin(6.2832f * u); };
-    Folded s([&](float u, float v) {  // from above an S
+    ShapedSurface s([&](float u, float v) {  // from above an S
       return Vec3{across(u), 100 * (0.5f - v), slope_mm * u};
     });
     int two_layers = 0;
@@ -263,7 +207,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a place is of the layer that faces the camera, also where the back of a flap is nearer") {
-  Folded s([](float u, float v) { return Vec3{120 * std::sin(3.1416f * u) - 60, 100 * (0.5f - v), 80 * u}; });
+  ShapedSurface s([](float u, float v) { return Vec3{120 * std::sin(3.1416f * u) - 60, 100 * (0.5f - v), 80 * u}; });
   for (float u = 0.1f; u < 0.4f; u += 0.02f) {
     Vec2 x, uv;
     REQUIRE(s.project({u, 0.47f}, &x));
