@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "estimate/filter_tuning.hpp"
 #include "model_builder.hpp"
 #include "random.hpp"
 
@@ -116,6 +117,52 @@ TEST_CASE("the variance of a velocity fades by the square of what the velocity f
   CHECK(added > 0);
   CHECK(variance[2] - fade * fade * variance[1] == doctest::Approx(double(added)).epsilon(0.01));
   CHECK(variance[3] - fade * fade * variance[2] == doctest::Approx(double(added)).epsilon(0.01));
+}
+
+TEST_CASE("a prediction from rest is that of a constant velocity with white acceleration (section 7.10)") {
+  Rig rig(steady(0));
+  const double a = double(kMotionTuning.shift_acceleration), t = 1.0 / 30, v0 = double(kMotionTuning.start_time) * a,
+               fade = double(kMotionTuning.pose_memory) / (double(kMotionTuning.pose_memory) + t);
+  double xx = 0, xv = 0, vv = v0 * v0;
+  for (int k = 0; k < 3; ++k) {
+    rig.filter->predict(1.0f / 30);
+    xx += 2 * t * xv + t * t * vv + a * a * t * t * t * t / 4;
+    xv = fade * (xv + t * vv) + a * a * t * t * t / 2;
+    vv = fade * fade * vv + a * a * t * t;
+    const MotionState& s = rig.filter->pose(kShiftX);
+    CHECK(double(s.xx) == doctest::Approx(xx).epsilon(1e-5));
+    CHECK(double(s.xv) == doctest::Approx(xv).epsilon(1e-5));
+    CHECK(double(s.vv) == doctest::Approx(vv).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("a measurement is weighed by Kalman's gain; one without error, and one far beyond, is taken as it is") {
+  Rig rig(steady(0));
+  rig.filter->predict(1.0f / 30);
+  const MotionState before = rig.filter->pose(kShiftX);
+  Motion seen = steady(0);
+  const double was = double(rig.filter->view().tau.x);
+  seen.view.tau.x += 10;
+  const float variance[kPoseUnknowns] = {1, 1, 1, 1, 2 * before.xx, 1};
+  REQUIRE(rig.filter->correct(seen.view, seen.q, variance, kVariance) == Status::ok);
+  const MotionState after = rig.filter->pose(kShiftX);
+  const double all = 3 * double(before.xx), gain = double(before.xx) / all, of_speed = double(before.xv) / all;
+  CHECK(double(rig.filter->view().tau.x) - was == doctest::Approx(10 * gain).epsilon(1e-4));
+  CHECK(double(after.velocity) == doctest::Approx(10 * of_speed).epsilon(1e-4));
+  CHECK(double(after.xx) == doctest::Approx((1 - gain) * double(before.xx)).epsilon(1e-5));
+  CHECK(double(after.xv) == doctest::Approx((1 - gain) * double(before.xv)).epsilon(1e-5));
+  CHECK(double(after.vv) == doctest::Approx(double(before.vv) - of_speed * double(before.xv)).epsilon(1e-5));
+  seen.view.tau.x += 2000;
+  REQUIRE(rig.filter->correct(seen.view, seen.q, variance, kVariance) == Status::ok);
+  CHECK(rig.filter->view().tau.x == doctest::Approx(double(seen.view.tau.x)));
+  CHECK(rig.filter->pose(kShiftX).xx == variance[kShiftX]);
+  CHECK(rig.filter->pose(kShiftX).xv == 0);
+  const float none[kPoseUnknowns] = {}, none_of_parameters[2] = {};
+  rig.filter->move_to(steady(0).view, steady(0).q);
+  const Motion exact = steady(0.02f);
+  REQUIRE(rig.filter->correct(exact.view, exact.q, none, none_of_parameters) == Status::ok);
+  CHECK(rig.shift_off(exact) < 1e-4f);
+  CHECK(rig.filter->parameters()[0] == exact.q[0]);
 }
 
 TEST_CASE("after a jump the filter is at the new place, at rest") {

@@ -226,4 +226,113 @@ TEST_CASE("a result that is not finite, and a lost track, end the motion: the ne
   }
 }
 
+TEST_CASE("after a pause of two seconds, and where time goes back, the motion is forgotten: a frame starts where it was") {
+  for (const std::int64_t step : {kMotionModelTuning.jump_ns, std::int64_t{-5} * kFrame}) {
+    Run run(true);
+    for (int k = 0; k < 20; ++k) run.frame(3);
+    const float here = run.egg.state.view.tau.x;
+    CHECK_FALSE(run.motion->predict(run.time += step, 0, run.egg.cascade.object, &run.egg.state));
+    CHECK(run.egg.state.view.tau.x == here);
+    CHECK(run.motion->filter().pose(kShiftX).velocity == 0);
+  }
+  Run run(true);
+  for (int k = 0; k < 20; ++k) run.frame(3);
+  CHECK(run.motion->predict(run.time += kMotionModelTuning.jump_ns - 1, 0, run.egg.cascade.object, &run.egg.state));
+}
+
+TEST_CASE("a frame that repeats the time of the one before keeps the motion; steps of less than a millisecond add up") {
+  Run run(true, true), reference(true, true);
+  for (Run* each : {&run, &reference})
+    for (int k = 0; k < 20; ++k) each->frame(3);
+  const float velocity = run.motion->filter().pose(kShiftX).velocity;
+  // 0.4 ms more each: the third one is 1.2 ms after the last that counted.
+  constexpr std::int64_t kShort = 400'000;
+  for (int k = 1; k <= 3; ++k)
+    CHECK(run.motion->predict(run.time + k * kShort, 0, run.egg.cascade.object, &run.egg.state) == (k == 3));
+  CHECK(velocity > 0);
+  reference.motion->predict(run.time + 3 * kShort, 0, reference.egg.cascade.object, &reference.egg.state);
+  CHECK(run.motion->filter().pose(kShiftX).velocity == reference.motion->filter().pose(kShiftX).velocity);
+  CHECK(run.egg.state.view.tau.x == reference.egg.state.view.tau.x);
+  // The smoothed output has had as much time, too.
+  for (Run* each : {&run, &reference}) each->time += 3 * kShort;
+  for (Run* each : {&run, &reference}) each->frame(3);
+  CHECK(run.motion->smoothed_pose().t.x == reference.motion->smoothed_pose().t.x);
+}
+
+TEST_CASE("where the clock stands still, or a frame is measured in another way, a smoothed sample counts once, as usual") {
+  for (const bool is_moved : {false, true}) {
+    Run run(false, true);
+    InArena<Smoother> reference(std::size_t{run.egg.parameters()});
+    const auto add = [&](float seconds) {
+      REQUIRE(reference->add(pose_of(run.egg.state.view), run.egg.state.q, run.motion->filter().ranges(),
+                             run.egg.parameters(), seconds) == Status::ok);
+      CHECK(run.motion->smoothed_pose().t.x == reference->pose().t.x);
+    };
+    add(0);
+    run.frame(3);
+    add(static_cast<float>(kFrame) * 1e-9f);
+    for (int k = 0; k < 3; ++k) {
+      run.egg.state.view.tau.x += 3;
+      if (is_moved)
+        run.motion->move(run.egg.state);
+      else
+        run.motion->correct(run.egg.cascade.object, run.egg.state, run.variance.data(), run.egg.state);
+      add(kMotionModelTuning.nominal_step);
+    }
+    if (is_moved) {
+      run.motion->predict(run.time += kFrame, 0, run.egg.cascade.object, &run.egg.state);
+      run.motion->move(run.egg.state);
+      add(static_cast<float>(kFrame) * 1e-9f);
+    }
+    run.frame(3);
+    add(static_cast<float>(kFrame) * 1e-9f);
+  }
+}
+
+TEST_CASE("a state that is measured in another way, and a model that turns, continue at rest from there") {
+  const Quat by = exp_rotation({0.1f, -0.2f, 0.05f});
+  for (const bool turns : {false, true}) {
+    Run run(true, true);
+    for (int k = 0; k < 20; ++k) run.frame(3);
+    ModelState& state = run.egg.state;
+    const Quat smoothed = run.motion->smoothed_pose().q;
+    state.view.tau.x += 50;
+    if (turns) {
+      state.view.q = normalised(state.view.q * by);
+      run.motion->turn(state, by);
+      CHECK(length(log_rotation(run.motion->smoothed_pose().q * conjugate(smoothed * by))) < 1e-5f);
+    } else {
+      run.motion->move(state);
+    }
+    const View there = state.view;
+    CHECK(run.motion->predict(run.time += kFrame, 0, run.egg.cascade.object, &state));
+    CHECK(state.view.tau.x == there.tau.x);
+    CHECK(length(log_rotation(state.view.q * conjugate(there.q))) < 1e-6f);
+  }
+}
+
+TEST_CASE("the first sample after a lost track is smoothed with none of the track before") {
+  Run run(false, true);
+  for (int k = 0; k < 10; ++k) run.frame(3);
+  run.motion->rest(run.egg.state);
+  run.frame(80);
+  CHECK(run.motion->smoothed_pose().t.x == pose_of(run.egg.state.view).t.x);
+}
+
+TEST_CASE("the time over which a parameter may change is at most half a second, and is not that of a track before") {
+  Run run(false);
+  const auto sd = [&](float seconds_more) {
+    run.motion->predict(run.time += static_cast<std::int64_t>(1e9f * seconds_more), 0, run.egg.cascade.object,
+                        &run.egg.state);
+    return run.motion->expected().parameter_sd[5];
+  };
+  const float longest = sd(0.5f);
+  CHECK(sd(0.25f) == doctest::Approx(0.5 * double(longest)));
+  CHECK(sd(1.5f) == longest);
+  EstimatorOptions options;
+  options.time_ns = run.time;
+  REQUIRE(run.motion->start(run.egg.cascade.object, run.egg.state, options) == Status::ok);
+  CHECK(run.motion->expected().parameter_sd[5] == doctest::Approx(double(longest) / 15));
+}
+
 }  // namespace motion_model_test

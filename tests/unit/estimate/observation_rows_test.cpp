@@ -64,7 +64,8 @@ TEST_CASE("unusable observations are marked, and make no row") {
   Rig rig;
   std::vector<Observation> o = {observation(1, {nan, 1}), observation(30, {1, 1}),
                                 observation(2, {1, 1}, {-1, 0, 4}), observation(3, {1, 1}, {0, 0, 0}),
-                                observation(4, {1, 1}, {4, nan, 4}), observation(6, {1, 1}, {1, 5, 1})};
+                                observation(4, {1, 1}, {4, nan, 4}), observation(6, {1, 1}, {1, 5, 1}),
+                                observation(7, {1, 1}, {4, 0, 2e12f}), observation(8, {1, 1}, {2e12f, 0, 4})};
   o.push_back(observation(5, {1, 1}));
   o.back().cue = static_cast<Cue>(200);
   rig.gather(o);
@@ -183,8 +184,80 @@ TEST_CASE("the scale of a cue grows with residuals larger than its stated noise,
   for (int k = 0; k < 20; ++k) frame(30);
   CHECK(rig.rows->cue_scale(Cue::patch) == doctest::Approx(3).epsilon(0.25));
   CHECK(rig.rows->cue_scale(Cue::edge) == 1);
+  const double scale = double(rig.rows->cue_scale(Cue::patch));
+  frame(1);
+  CHECK(rig.rows->information(0).xx == doctest::Approx(4 / (scale * scale)));
   rig.rows->start({0x07, 0, 0.5f});
   CHECK(rig.rows->cue_scale(Cue::patch) == 1);
+}
+
+TEST_CASE("of alternatives, lines too, the one that counts is measured as it would be alone, and the first of equals") {
+  const Observation one = observation(4, {3, 1}, {4, 0, 0}, Cue::edge),
+                    other = observation(4, {-9, 1}, {1, 0, 0}, Cue::edge);
+  for (const bool is_first : {false, true}) {
+    Rig rig, alone;
+    std::vector<Observation> o = {is_first ? one : other, is_first ? other : one}, single = {one};
+    rig.gather(o);
+    alone.gather(single);
+    rig.rows->measure(0, {2, 0});
+    alone.rows->measure(0, {2, 0});
+    CHECK(rig.rows.object[0].chosen == (is_first ? 0 : 1));
+    CHECK(rig.rows->length(0) == alone.rows->length(0));
+    CHECK(rig.rows->information(0).xx == alone.rows->information(0).xx);
+    CHECK(rig.rows->residual(0).x == 1);
+  }
+  Rig rig;
+  std::vector<Observation> o = {one, one, one};
+  o[0].reason = Reason::low_correlation;
+  rig.gather(o);
+  rig.rows->measure(0, {3, 0});
+  CHECK(rig.rows.object[0].chosen == 1);
+}
+
+TEST_CASE("what one round rejected takes part in the next; what does not fit into the rows does not") {
+  Rig rig;
+  std::vector<Observation> o;
+  for (int k = 0; k < 31; ++k) o.push_back(observation(static_cast<std::uint16_t>(k % 2), {1, 1}));
+  o[3].reason = Reason::rejected;
+  rig.gather(o);
+  CHECK(rig.rows->count() == 30);
+  CHECK(o[3].reason == Reason::found);
+  CHECK(o[29].reason == Reason::found);
+  CHECK(o[30].reason == Reason::not_visible);
+}
+
+TEST_CASE("of more than 255 alternatives the others are a row of their own") {
+  Rig rig;
+  std::vector<Observation> o(300, observation(2, {50, 0}));
+  o[299].x = {1, 0};
+  rig.gather(o);
+  REQUIRE(rig.rows->count() == 2);
+  CHECK(rig.rows.object[0].count == 255);
+  CHECK(rig.rows.object[1].count == 45);
+  for (std::size_t k = 0; k < 2; ++k) rig.rows->measure(k, {0, 0});
+  CHECK(rig.rows->residual(0).x == 50);
+  CHECK(rig.rows->residual(1).x == 1);
+}
+
+TEST_CASE("the scale is that of the rows that are kept, from 1 to 8") {
+  const auto scale_of = [](float size, float size_of_others) {
+    Rig rig;
+    std::vector<Observation> o;
+    for (std::uint16_t id = 0; id < 30; ++id) o.push_back(observation(id, {id < 10 ? size : size_of_others, 0}));
+    rig.gather(o);
+    for (std::size_t k = 0; k < 30; ++k) {
+      rig.rows->measure(k, {0, 0});
+      rig.rows.object[k].is_kept = k < 10;
+    }
+    return rig.rows->scale();
+  };
+  CHECK(scale_of(0, 5) == 1);
+  CHECK(scale_of(1000, 0) == 8);
+  const float usual = scale_of(2, 2);
+  CHECK(usual > 1);
+  CHECK(usual < 8);
+  CHECK(scale_of(2, 0) == usual);
+  CHECK(scale_of(2, 100) == usual);
 }
 
 TEST_CASE("keep_within keeps exactly the rows that fit, whether they were kept or not") {

@@ -1,4 +1,4 @@
-// What the camera sees of a surface that moves: the drawing of its depth, its contour, its places, and a mesh that follows the view.
+// What the camera sees of a surface that moves: the drawing of its depth, its contour and places; and a mesh that follows the view.
 #include <doctest/doctest.h>
 
 #include "random.hpp"
