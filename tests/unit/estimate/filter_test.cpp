@@ -121,15 +121,20 @@ TEST_CASE("the variance of a velocity fades by the square of what the velocity f
 
 TEST_CASE("a prediction from rest is that of a constant velocity with white acceleration (section 7.10)") {
   Rig rig(steady(0));
-  const double a = double(kMotionTuning.shift_acceleration), t = 1.0 / 30, v0 = double(kMotionTuning.start_time) * a,
-               fade = double(kMotionTuning.pose_memory) / (double(kMotionTuning.pose_memory) + t);
-  double xx = 0, xv = 0, vv = v0 * v0;
-  for (int k = 0; k < 3; ++k) {
-    rig.filter->predict(1.0f / 30);
-    xx += 2 * t * xv + t * t * vv + a * a * t * t * t * t / 4;
-    xv = fade * (xv + t * vv) + a * a * t * t * t / 2;
-    vv = fade * fade * vv + a * a * t * t;
-    const MotionState& s = rig.filter->pose(kShiftX);
+  const double t = 1.0 / 30, memory = double(kMotionTuning.pose_memory), fade = memory / (memory + t);
+  const float accelerations[kPoseUnknowns] = {
+      kMotionTuning.turn_acceleration,      kMotionTuning.turn_acceleration,  kMotionTuning.turn_acceleration,
+      kMotionTuning.log_scale_acceleration, kMotionTuning.shift_acceleration, kMotionTuning.shift_acceleration};
+  for (int k = 0; k < 3; ++k) rig.filter->predict(1.0f / 30);
+  for (int unknown = 0; unknown < kPoseUnknowns; ++unknown) {
+    const double a = double(accelerations[unknown]), v0 = double(kMotionTuning.start_time) * a;
+    double xx = 0, xv = 0, vv = v0 * v0;
+    for (int k = 0; k < 3; ++k) {
+      xx += 2 * t * xv + t * t * vv + a * a * t * t * t * t / 4;
+      xv = fade * (xv + t * vv) + a * a * t * t * t / 2;
+      vv = fade * fade * vv + a * a * t * t;
+    }
+    const MotionState& s = rig.filter->pose(unknown);
     CHECK(double(s.xx) == doctest::Approx(xx).epsilon(1e-5));
     CHECK(double(s.xv) == doctest::Approx(xv).epsilon(1e-5));
     CHECK(double(s.vv) == doctest::Approx(vv).epsilon(1e-5));
@@ -152,6 +157,9 @@ TEST_CASE("a measurement is weighed by Kalman's gain; one without error, and one
   CHECK(double(after.xx) == doctest::Approx((1 - gain) * double(before.xx)).epsilon(1e-5));
   CHECK(double(after.xv) == doctest::Approx((1 - gain) * double(before.xv)).epsilon(1e-5));
   CHECK(double(after.vv) == doctest::Approx(double(before.vv) - of_speed * double(before.xv)).epsilon(1e-5));
+  const float here = rig.filter->view().tau.x;
+  rig.filter->predict(1.0f / 30);
+  CHECK(double(rig.filter->view().tau.x - here) == doctest::Approx(double(after.velocity) / 30).epsilon(1e-4));
   seen.view.tau.x += 2000;
   REQUIRE(rig.filter->correct(seen.view, seen.q, variance, kVariance) == Status::ok);
   CHECK(rig.filter->view().tau.x == doctest::Approx(double(seen.view.tau.x)));
@@ -162,7 +170,10 @@ TEST_CASE("a measurement is weighed by Kalman's gain; one without error, and one
   const Motion exact = steady(0.02f);
   REQUIRE(rig.filter->correct(exact.view, exact.q, none, none_of_parameters) == Status::ok);
   CHECK(rig.shift_off(exact) < 1e-4f);
-  CHECK(rig.filter->parameters()[0] == exact.q[0]);
+  for (int i : {0, 1}) CHECK(rig.filter->parameters()[i] == exact.q[i]);  // the second is where it was
+  const View nearer = view_at(0.012f, {1.8f, -0.8f}, 594);  // by a hundredth, of which the square does not count
+  REQUIRE(rig.filter->correct(nearer, exact.q, none, none_of_parameters) == Status::ok);
+  CHECK(magnitude(rig.filter->view().s / nearer.s - 1) < 1e-4f);
 }
 
 TEST_CASE("after a jump the filter is at the new place, at rest") {
@@ -224,6 +235,12 @@ TEST_CASE("values that are not finite are refused and change nothing; a restored
   float negative[kPoseUnknowns] = {-1};
   CHECK(rig.filter->correct(steady(0).view, steady(0).q, negative, kVariance) == Status::bad_argument);
   CHECK(rig.filter->correct(steady(0).view, nullptr, kPoseVariance, kVariance) == Status::bad_argument);
+  for (float View::*const number : {&View::s, &View::rho})
+    for (const float wrong : {0.0f, -1.0f}) {
+      bad = steady(0.1f);
+      bad.view.*number = wrong;
+      CHECK(rig.filter->correct(bad.view, bad.q, kPoseVariance, kVariance) == Status::bad_argument);
+    }
   CHECK(rig.filter->view().tau.x == before.tau.x);
   CHECK(rig.filter->start(before, bad.q, kRange, 3) == Status::capacity);
   CHECK(rig.filter->start(before, nullptr, kRange, 2) == Status::bad_argument);
@@ -234,6 +251,88 @@ TEST_CASE("values that are not finite are refused and change nothing; a restored
   rig.see(steady(2.1f));
   rig.filter->forget_velocities();
   CHECK(rig.filter->pose(kShiftX).velocity == 0);
+}
+
+TEST_CASE("smoothing is the One-Euro filter in shift, turn and parameters, each with its own speed (section 7.10)") {
+  InArena<Smoother> smooth(std::size_t{2});
+  const SmoothingTuning t = kSmoothingTuning;
+  const auto gain = [](double cutoff_hz, double seconds) {
+    const double x = 2 * 3.14159265358979 * cutoff_hz * seconds;
+    return x / (1 + x);
+  };
+  // Along one axis each, as the distance from the place at the start: all of them move alike but for their units.
+  struct Track {
+    double value, speed, per_speed;
+  } shift{0, 0, double(t.shift_gain)}, turn{0, 0, double(t.turn_gain)},
+      narrow{0, 0, double(t.parameter_gain) / double(kRange[1])};
+  const auto follow = [&](Track& track, double target, double seconds) {
+    const double step = target - track.value;
+    track.speed += gain(double(t.speed_cutoff), seconds) * (step / seconds - track.speed);
+    track.value += gain(double(t.least_cutoff) + track.per_speed * std::fabs(track.speed), seconds) * step;
+  };
+  const Quat start = exp_rotation({0.3f, -0.5f, 0.2f});
+  const Vec3 axis{0, 0.6f, 0.8f};  // of the camera
+  REQUIRE(smooth->add({start, {5, 5, 600}}, kRange, kRange, 2, 0) == Status::ok);
+  const float way[] = {0.2f, 0.5f, 0.45f, 0.9f, 0.9f, 0.1f};
+  int k = 0;
+  for (const float at : way) {
+    const float seconds = ++k % 2 == 0 ? 1.0f / 30 : 1.0f / 15;
+    const float q[2] = {kRange[0], kRange[1] + 0.2f * at};
+    const Pose pose{normalised(exp_rotation((0.8f * at) * axis) * start), {5, 5 + 40 * at, 600}};
+    REQUIRE(smooth->add(pose, q, kRange, 2, seconds) == Status::ok);
+    follow(shift, 40 * double(at), double(seconds));
+    follow(turn, 0.8 * double(at), double(seconds));
+    follow(narrow, 0.2 * double(at), double(seconds));
+    CHECK(double(smooth->pose().t.y) - 5 == doctest::Approx(shift.value).epsilon(1e-4));
+    const Vec3 turned = log_rotation(smooth->pose().q * conjugate(start));
+    CHECK(length(turned - static_cast<float>(turn.value) * axis) < 1e-5f);
+    CHECK(double(smooth->parameters()[1] - kRange[1]) == doctest::Approx(narrow.value).epsilon(1e-4));
+    CHECK(smooth->parameters()[0] == kRange[0]);
+  }
+  // The next sample after a restart is taken unchanged, and so are the speeds: those of rest.
+  InArena<Smoother> fresh(std::size_t{2});
+  smooth->restart();
+  for (const float x : {0.0f, 30.0f}) {
+    const Pose pose{start, {x, 0, 600}};
+    const float q[2] = {kRange[0], 0.1f + 0.01f * x};
+    for (Smoother* each : {&smooth.object, &fresh.object}) REQUIRE(each->add(pose, q, kRange, 2, 0.04f) == Status::ok);
+    CHECK(smooth->pose().t.x == fresh->pose().t.x);
+    CHECK(smooth->parameters()[1] == fresh->parameters()[1]);
+  }
+}
+
+TEST_CASE("what is forgotten of a motion are the velocities: places and their variances stay") {
+  Rig rig(steady(0));
+  for (int k = 1; k < 20; ++k) {
+    rig.filter->predict(1.0f / 30);
+    rig.see(steady(static_cast<float>(k) / 30));
+  }
+  rig.filter->predict(1.0f / 30);
+  const View view = rig.filter->view();
+  const float q = rig.filter->parameters()[0], xx = rig.filter->pose(kTurnY).xx;
+  REQUIRE(rig.filter->pose(kTurnY).velocity != 0);
+  rig.filter->forget_velocities();
+  CHECK(rig.filter->pose(kTurnY).velocity == 0);
+  CHECK(rig.filter->pose(kTurnY).xv == 0);
+  CHECK(rig.filter->pose(kTurnY).xx == xx);
+  rig.filter->predict(1.0f / 30);
+  CHECK(length(rig.filter->view().tau - view.tau) == 0);
+  CHECK(rig.filter->parameters()[0] == q);
+}
+
+TEST_CASE("the scale of an approach is predicted as its logarithm") {
+  const auto at = [](float t) { return Motion{view_at(0, {0, 0}, 600 * (1 - 0.5f * t)), {0, 0}}; };
+  Rig rig(at(0));
+  for (int k = 1; k <= 20; ++k) {
+    const float t = static_cast<float>(k) / 60, before = rig.filter->view().s;
+    rig.filter->predict(1.0f / 60);
+    if (k > 10) {  // it grows with the square of the distance's inverse: a sixth of a step is what a velocity lags behind
+      const float step = at(t).view.s - at(t - 1.0f / 60).view.s;
+      CHECK(magnitude(rig.filter->view().s - at(t).view.s) < 0.2f * step);
+      CHECK(rig.filter->view().s > before);
+    }
+    rig.see(at(t));
+  }
 }
 
 TEST_CASE("smoothing reduces noise at rest and lags little in motion") {
