@@ -123,8 +123,9 @@ TEST_CASE("a prediction from rest is that of a constant velocity with white acce
   Rig rig(steady(0));
   const double t = 1.0 / 30, memory = double(kMotionTuning.pose_memory), fade = memory / (memory + t);
   const float accelerations[kPoseUnknowns] = {
-      kMotionTuning.turn_acceleration,      kMotionTuning.turn_acceleration,  kMotionTuning.turn_acceleration,
-      kMotionTuning.log_scale_acceleration, kMotionTuning.shift_acceleration, kMotionTuning.shift_acceleration};
+      kMotionTuning.turn_acceleration,  kMotionTuning.turn_acceleration,
+      kMotionTuning.turn_acceleration,  kMotionTuning.log_scale_acceleration,
+      kMotionTuning.shift_acceleration, kMotionTuning.shift_acceleration};
   for (int k = 0; k < 3; ++k) rig.filter->predict(1.0f / 30);
   for (int unknown = 0; unknown < kPoseUnknowns; ++unknown) {
     const double a = double(accelerations[unknown]), v0 = double(kMotionTuning.start_time) * a;
@@ -141,7 +142,8 @@ TEST_CASE("a prediction from rest is that of a constant velocity with white acce
   }
 }
 
-TEST_CASE("a measurement is weighed by Kalman's gain; one without error, and one far beyond, is taken as it is") {
+TEST_CASE(
+    "a measurement is weighed by Kalman's gain; one without error, and one far beyond, is taken as it is") {
   Rig rig(steady(0));
   rig.filter->predict(1.0f / 30);
   const MotionState before = rig.filter->pose(kShiftX);
@@ -151,7 +153,8 @@ TEST_CASE("a measurement is weighed by Kalman's gain; one without error, and one
   const float variance[kPoseUnknowns] = {1, 1, 1, 1, 2 * before.xx, 1};
   REQUIRE(rig.filter->correct(seen.view, seen.q, variance, kVariance) == Status::ok);
   const MotionState after = rig.filter->pose(kShiftX);
-  const double all = 3 * double(before.xx), gain = double(before.xx) / all, of_speed = double(before.xv) / all;
+  const double all = 3 * double(before.xx), gain = double(before.xx) / all,
+               of_speed = double(before.xv) / all;
   CHECK(double(rig.filter->view().tau.x) - was == doctest::Approx(10 * gain).epsilon(1e-4));
   CHECK(double(after.velocity) == doctest::Approx(10 * of_speed).epsilon(1e-4));
   CHECK(double(after.xx) == doctest::Approx((1 - gain) * double(before.xx)).epsilon(1e-5));
@@ -159,7 +162,8 @@ TEST_CASE("a measurement is weighed by Kalman's gain; one without error, and one
   CHECK(double(after.vv) == doctest::Approx(double(before.vv) - of_speed * double(before.xv)).epsilon(1e-5));
   const float here = rig.filter->view().tau.x;
   rig.filter->predict(1.0f / 30);
-  CHECK(double(rig.filter->view().tau.x - here) == doctest::Approx(double(after.velocity) / 30).epsilon(1e-4));
+  CHECK(double(rig.filter->view().tau.x - here) ==
+        doctest::Approx(double(after.velocity) / 30).epsilon(1e-4));
   seen.view.tau.x += 2000;
   REQUIRE(rig.filter->correct(seen.view, seen.q, variance, kVariance) == Status::ok);
   CHECK(rig.filter->view().tau.x == doctest::Approx(double(seen.view.tau.x)));
@@ -171,7 +175,8 @@ TEST_CASE("a measurement is weighed by Kalman's gain; one without error, and one
   REQUIRE(rig.filter->correct(exact.view, exact.q, none, none_of_parameters) == Status::ok);
   CHECK(rig.shift_off(exact) < 1e-4f);
   for (int i : {0, 1}) CHECK(rig.filter->parameters()[i] == exact.q[i]);  // the second is where it was
-  const View nearer = view_at(0.012f, {1.8f, -0.8f}, 594);  // by a hundredth, of which the square does not count
+  const View nearer =
+      view_at(0.012f, {1.8f, -0.8f}, 594);  // by a hundredth, of which the square does not count
   REQUIRE(rig.filter->correct(nearer, exact.q, none, none_of_parameters) == Status::ok);
   CHECK(magnitude(rig.filter->view().s / nearer.s - 1) < 1e-4f);
 }
@@ -253,7 +258,9 @@ TEST_CASE("values that are not finite are refused and change nothing; a restored
   CHECK(rig.filter->pose(kShiftX).velocity == 0);
 }
 
-TEST_CASE("smoothing is the One-Euro filter in shift, turn and parameters, each with its own speed (section 7.10)") {
+TEST_CASE(
+    "smoothing is the One-Euro filter in shift, turn and parameters, each with its own speed (section "
+    "7.10)") {
   InArena<Smoother> smooth(std::size_t{2});
   const SmoothingTuning t = kSmoothingTuning;
   const auto gain = [](double cutoff_hz, double seconds) {
@@ -295,7 +302,8 @@ TEST_CASE("smoothing is the One-Euro filter in shift, turn and parameters, each 
   for (const float x : {0.0f, 30.0f}) {
     const Pose pose{start, {x, 0, 600}};
     const float q[2] = {kRange[0], 0.1f + 0.01f * x};
-    for (Smoother* each : {&smooth.object, &fresh.object}) REQUIRE(each->add(pose, q, kRange, 2, 0.04f) == Status::ok);
+    for (Smoother* each : {&smooth.object, &fresh.object})
+      REQUIRE(each->add(pose, q, kRange, 2, 0.04f) == Status::ok);
     CHECK(smooth->pose().t.x == fresh->pose().t.x);
     CHECK(smooth->parameters()[1] == fresh->parameters()[1]);
   }
@@ -326,7 +334,8 @@ TEST_CASE("the scale of an approach is predicted as its logarithm") {
   for (int k = 1; k <= 20; ++k) {
     const float t = static_cast<float>(k) / 60, before = rig.filter->view().s;
     rig.filter->predict(1.0f / 60);
-    if (k > 10) {  // it grows with the square of the distance's inverse: a sixth of a step is what a velocity lags behind
+    if (k >
+        10) {  // it grows with the square of the distance's inverse: a sixth of a step is what a velocity lags behind
       const float step = at(t).view.s - at(t - 1.0f / 60).view.s;
       CHECK(magnitude(rig.filter->view().s - at(t).view.s) < 0.2f * step);
       CHECK(rig.filter->view().s > before);

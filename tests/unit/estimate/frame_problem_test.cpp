@@ -126,8 +126,7 @@ TEST_CASE("observations in any order are measured against the predictions of the
     REQUIRE(rig.points->predict(id, {rig.egg.cascade.object, rig.input.expected, rig.egg.state, projector},
                                 &predictions[id], &unused));
   Random random(5);
-  for (std::size_t k = kPoints - 1; k > 0; --k)
-    std::swap(rig.seen[k], rig.seen[random.below(k + 1)]);
+  for (std::size_t k = kPoints - 1; k > 0; --k) std::swap(rig.seen[k], rig.seen[random.below(k + 1)]);
   rig.rows->gather({rig.seen.data(), rig.seen.size()}, rig.points.object, rig.egg.state.view.s);
   rig.problem.measure();
   std::vector<Vec2> own;

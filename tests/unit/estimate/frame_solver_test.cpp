@@ -251,7 +251,8 @@ TEST_CASE("whatever a frame may take, its solves take no more once they have mad
     }
 }
 
-TEST_CASE("a frame knows nothing of the one before it: its first pass and its two rounds give the same bits") {
+TEST_CASE(
+    "a frame knows nothing of the one before it: its first pass and its two rounds give the same bits") {
   std::vector<float> bits[2];
   for (const bool is_second : {false, true}) {
     Rig rig(Rejection::on_doubt);
@@ -287,9 +288,9 @@ TEST_CASE("a frame knows nothing of the one before it: its first pass and its tw
     for (std::size_t i = 0; i < seen.size(); i += 9) seen[i].x = seen[i].x + Vec2{2, -1};
     for (int round = 0; round < 2; ++round) {
       const SolverReport report = rig.solve(seen);
-      for (const float x : {state.view.q.w, state.view.q.y, state.view.s, state.view.tau.x, state.q[5], report.final_cost,
-                            static_cast<float>(rig.solver->result().inliers),
-                            static_cast<float>(rig.solver->work().rows)})
+      for (const float x :
+           {state.view.q.w, state.view.q.y, state.view.s, state.view.tau.x, state.q[5], report.final_cost,
+            static_cast<float>(rig.solver->result().inliers), static_cast<float>(rig.solver->work().rows)})
         bits[is_second].push_back(x);
     }
   }
@@ -325,7 +326,8 @@ TEST_CASE("the iterations of a frame are those of its first pass and of all its 
   }
 }
 
-TEST_CASE("a first pass of edges in one direction, and one whose points all fit badly, leave the state as it was") {
+TEST_CASE(
+    "a first pass of edges in one direction, and one whose points all fit badly, leave the state as it was") {
   for (const bool is_line : {false, true}) {
     Rig rig(Rejection::on_doubt);
     rig.move_truth(0.01f);
@@ -352,7 +354,9 @@ TEST_CASE("an observation is told its residual, and the score is the mean of tho
   CHECK(rig.solver->result().score == doctest::Approx(0.9));
 }
 
-TEST_CASE("where doubt has cause, the better one of two results counts: an occluder's as by forces, a jaw's as by weights") {
+TEST_CASE(
+    "where doubt has cause, the better one of two results counts: an occluder's as by forces, a jaw's as by "
+    "weights") {
   // Half of one side moves together, or the jaw drops beside observations that are wrong each on its own.
   for (const bool is_jaw : {false, true}) {
     CAPTURE(is_jaw);
@@ -368,7 +372,8 @@ TEST_CASE("where doubt has cause, the better one of two results counts: an occlu
       auto seen = rig.observe();
       for (std::size_t i = 0; i < seen.size(); ++i) {
         if (!is_jaw && i % 7 < 3) seen[i].x = seen[i].x + Vec2{9, 7};
-        if (is_jaw && i % 5 == 0) seen[i].x = seen[i].x + Vec2{40 * rig.random.normal(), 40 * rig.random.normal()};
+        if (is_jaw && i % 5 == 0)
+          seen[i].x = seen[i].x + Vec2{40 * rig.random.normal(), 40 * rig.random.normal()};
       }
       for (int round = 0; round < 2; ++round) {
         const float cost = rig.solve(seen).final_cost;

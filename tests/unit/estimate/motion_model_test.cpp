@@ -226,7 +226,9 @@ TEST_CASE("a result that is not finite, and a lost track, end the motion: the ne
   }
 }
 
-TEST_CASE("after a pause of two seconds, and where time goes back, the motion is forgotten: a frame starts where it was") {
+TEST_CASE(
+    "after a pause of two seconds, and where time goes back, the motion is forgotten: a frame starts where "
+    "it was") {
   for (const std::int64_t step : {kMotionModelTuning.jump_ns, std::int64_t{-5} * kFrame}) {
     Run run(true);
     for (int k = 0; k < 20; ++k) run.frame(3);
@@ -237,10 +239,13 @@ TEST_CASE("after a pause of two seconds, and where time goes back, the motion is
   }
   Run run(true);
   for (int k = 0; k < 20; ++k) run.frame(3);
-  CHECK(run.motion->predict(run.time += kMotionModelTuning.jump_ns - 1, 0, run.egg.cascade.object, &run.egg.state));
+  CHECK(run.motion->predict(run.time += kMotionModelTuning.jump_ns - 1, 0, run.egg.cascade.object,
+                            &run.egg.state));
 }
 
-TEST_CASE("a frame that repeats the time of the one before keeps the motion; steps of less than a millisecond add up") {
+TEST_CASE(
+    "a frame that repeats the time of the one before keeps the motion; steps of less than a millisecond add "
+    "up") {
   Run run(true, true), reference(true, true);
   for (Run* each : {&run, &reference})
     for (int k = 0; k < 20; ++k) each->frame(3);
@@ -259,7 +264,9 @@ TEST_CASE("a frame that repeats the time of the one before keeps the motion; ste
   CHECK(run.motion->smoothed_pose().t.x == reference.motion->smoothed_pose().t.x);
 }
 
-TEST_CASE("where the clock stands still, or a frame is measured in another way, a smoothed sample counts once, as usual") {
+TEST_CASE(
+    "where the clock stands still, or a frame is measured in another way, a smoothed sample counts once, as "
+    "usual") {
   for (const bool is_moved : {false, true}) {
     Run run(false, true);
     InArena<Smoother> reference(std::size_t{run.egg.parameters()});
@@ -319,7 +326,9 @@ TEST_CASE("the first sample after a lost track is smoothed with none of the trac
   CHECK(run.motion->smoothed_pose().t.x == pose_of(run.egg.state.view).t.x);
 }
 
-TEST_CASE("the time over which a parameter may change is at most half a second, and is not that of a track before") {
+TEST_CASE(
+    "the time over which a parameter may change is at most half a second, and is not that of a track "
+    "before") {
   Run run(false);
   const auto sd = [&](float seconds_more) {
     run.motion->predict(run.time += static_cast<std::int64_t>(1e9f * seconds_more), 0, run.egg.cascade.object,

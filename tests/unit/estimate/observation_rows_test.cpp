@@ -62,10 +62,14 @@ TEST_CASE("consecutive observations of one point are one row; points count twice
 TEST_CASE("unusable observations are marked, and make no row") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   Rig rig;
-  std::vector<Observation> o = {observation(1, {nan, 1}), observation(30, {1, 1}),
-                                observation(2, {1, 1}, {-1, 0, 4}), observation(3, {1, 1}, {0, 0, 0}),
-                                observation(4, {1, 1}, {4, nan, 4}), observation(6, {1, 1}, {1, 5, 1}),
-                                observation(7, {1, 1}, {4, 0, 2e12f}), observation(8, {1, 1}, {2e12f, 0, 4})};
+  std::vector<Observation> o = {observation(1, {nan, 1}),
+                                observation(30, {1, 1}),
+                                observation(2, {1, 1}, {-1, 0, 4}),
+                                observation(3, {1, 1}, {0, 0, 0}),
+                                observation(4, {1, 1}, {4, nan, 4}),
+                                observation(6, {1, 1}, {1, 5, 1}),
+                                observation(7, {1, 1}, {4, 0, 2e12f}),
+                                observation(8, {1, 1}, {2e12f, 0, 4})};
   o.push_back(observation(5, {1, 1}));
   o.back().cue = static_cast<Cue>(200);
   rig.gather(o);
@@ -108,7 +112,8 @@ TEST_CASE("one direction that weighs less than a thousandth of the other makes a
   }
 }
 
-TEST_CASE("the cost is half the squared distances, in deviations, over the squared scale, of points and of lines") {
+TEST_CASE(
+    "the cost is half the squared distances, in deviations, over the squared scale, of points and of lines") {
   Rig rig;
   std::vector<Observation> o = {observation(1, {3, 4}), observation(2, {2, 7}, {4, 0, 0}, Cue::edge)};
   rig.gather(o);
@@ -191,7 +196,9 @@ TEST_CASE("the scale of a cue grows with residuals larger than its stated noise,
   CHECK(rig.rows->cue_scale(Cue::patch) == 1);
 }
 
-TEST_CASE("of alternatives, lines too, the one that counts is measured as it would be alone, and the first of equals") {
+TEST_CASE(
+    "of alternatives, lines too, the one that counts is measured as it would be alone, and the first of "
+    "equals") {
   const Observation one = observation(4, {3, 1}, {4, 0, 0}, Cue::edge),
                     other = observation(4, {-9, 1}, {1, 0, 0}, Cue::edge);
   for (const bool is_first : {false, true}) {
@@ -243,7 +250,8 @@ TEST_CASE("the scale is that of the rows that are kept, from 1 to 8") {
   const auto scale_of = [](float size, float size_of_others) {
     Rig rig;
     std::vector<Observation> o;
-    for (std::uint16_t id = 0; id < 30; ++id) o.push_back(observation(id, {id < 10 ? size : size_of_others, 0}));
+    for (std::uint16_t id = 0; id < 30; ++id)
+      o.push_back(observation(id, {id < 10 ? size : size_of_others, 0}));
     rig.gather(o);
     for (std::size_t k = 0; k < 30; ++k) {
       rig.rows->measure(k, {0, 0});

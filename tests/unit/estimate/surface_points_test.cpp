@@ -62,7 +62,8 @@ TEST_CASE("points outside the chart, curves without direction and null ids are r
   CHECK(rig.add(PointKind::surface, {0.5f, 0.5f}, nullptr) == Status::bad_argument);
   CHECK(id == 99);
   for (std::uint16_t k = 0; k < 20; ++k) CHECK_FALSE(rig.points->has(k));
-  for (const Vec2 corner : {Vec2{0, 0}, Vec2{1, 1}}) CHECK(rig.add(PointKind::surface, corner, &id) == Status::ok);
+  for (const Vec2 corner : {Vec2{0, 0}, Vec2{1, 1}})
+    CHECK(rig.add(PointKind::surface, corner, &id) == Status::ok);
 }
 
 TEST_CASE("a prediction is the projection of the point, with the derivatives of the image along u and v") {
@@ -193,8 +194,8 @@ TEST_CASE("points of a curve are as far apart on the surface as is asked for, th
     // A piece is the chord of a curvature of 40 mm: 0.03 mm less, a fiftieth of a point's way.
     CHECK(magnitude(length_at[nearest] - spacing * (static_cast<float>(k) + 0.5f)) < 0.3f);
   }
-  CHECK(rig.points->add_curve({line, 4}, spacing, rig.egg.cascade.object, rig.egg.state.q,
-                              {ids.data(), 3}, &count) == Status::capacity);
+  CHECK(rig.points->add_curve({line, 4}, spacing, rig.egg.cascade.object, rig.egg.state.q, {ids.data(), 3},
+                              &count) == Status::capacity);
   CHECK(count == 3);
 }
 
@@ -215,7 +216,8 @@ TEST_CASE("a prediction's covariance is that of the pose's unknowns, and its fac
       rig.egg.state.view = moved(view, step, kPoseUnknowns);
       at[side] = rig.egg.image_of({0.3f, 0.65f});
     }
-    const double dx = double(at[1].x - at[0].x) / double(2 * h), dy = double(at[1].y - at[0].y) / double(2 * h);
+    const double dx = double(at[1].x - at[0].x) / double(2 * h),
+                 dy = double(at[1].y - at[0].y) / double(2 * h);
     xx += double(variance[k]) * dx * dx;
     xy += double(variance[k]) * dx * dy;
     yy += double(variance[k]) * dy * dy;
@@ -228,7 +230,8 @@ TEST_CASE("a prediction's covariance is that of the pose's unknowns, and its fac
   const SurfaceFrame frame = rig.egg.cascade->surface_frame({0.3f, 0.65f}, rig.egg.state.q);
   const Projector projector(view, true);
   const Vec3 outward = normalised(projector.rotated(cross(frame.pv, frame.pu)));
-  CHECK(p.facing == doctest::Approx(double(-dot(outward, normalised(projector.to_camera(frame.p))))).epsilon(1e-3));
+  CHECK(p.facing ==
+        doctest::Approx(double(-dot(outward, normalised(projector.to_camera(frame.p))))).epsilon(1e-3));
   Prediction flat = p;
   flat.facing = 0.29f;
   CHECK_FALSE(rig.points->is_turned_to_camera(flat));

@@ -176,7 +176,8 @@ TEST_CASE("the image of a vertex behind the camera is the middle") {
 }
 
 TEST_CASE(
-    "beside an edge that bends inward a place of the flat mesh is not on the surface, and stays in the chart") {
+    "beside an edge that bends inward a place of the flat mesh is not on the surface, and stays in the "
+    "chart") {
   MeshPolicy stays;
   stays.error_mm = 0;
   // By 6 mm between two vertices, which are at 0 and 0.5.

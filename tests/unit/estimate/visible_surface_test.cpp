@@ -207,7 +207,9 @@ TEST_CASE(
 }
 
 TEST_CASE("a place is of the layer that faces the camera, also where the back of a flap is nearer") {
-  ShapedSurface s([](float u, float v) { return Vec3{120 * std::sin(3.1416f * u) - 60, 100 * (0.5f - v), 80 * u}; });
+  ShapedSurface s([](float u, float v) {
+    return Vec3{120 * std::sin(3.1416f * u) - 60, 100 * (0.5f - v), 80 * u};
+  });
   for (float u = 0.1f; u < 0.4f; u += 0.02f) {
     Vec2 x, uv;
     REQUIRE(s.project({u, 0.47f}, &x));

@@ -9,6 +9,46 @@ namespace fit_start_test {
 
 using namespace pliant;
 
+namespace {
+
+/// A sheet of 100 x 150 mm beside the origin, with so many landmarks of a face in its middle: a fifth of its sides away from it.
+OpenModel sheet_with_landmarks(int landmarks) {
+  ModelBuilder b;
+  b.record(Operation::constant, {}, {}, b.field(3, 2, 2, [](float u, float v) {
+    return Vec3{30 + 100 * u, 40 - 150 * v, 0};
+  }));
+  b.grid_mesh(2);
+  b.landmark("p", 0.5f, 0.5f);
+  const char* const names[] = {"ibug00", "ibug16", "ibug08", "ibug27"};
+  for (int k = 0; k < landmarks; ++k) b.landmark(names[k], k % 2 == 0 ? 0.3f : 0.7f, k < 2 ? 0.3f : 0.7f);
+  return OpenModel(b);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a box is of the landmarks of a face, from four on, or else of the mesh: its middle, and the mean of the "
+    "scales") {
+  for (const int landmarks : {0, 3, 4}) {
+    CAPTURE(landmarks);
+    const OpenModel sheet = sheet_with_landmarks(landmarks);
+    InArena<Cascade> cascade(sheet.model);
+    View view;
+    const Vec2 corner{100, 80}, size{160, 200};
+    REQUIRE(view_from_box(cascade.object, nullptr, corner, size, centred_camera(640, 480, 900), &view) ==
+            Status::ok);
+    const float margin = landmarks < 4 ? 0.0f : 0.3f;
+    Vec2 low, high;
+    const Projector projector(view, true);
+    REQUIRE(projector.project(cascade->surface_point({margin, margin}, nullptr), &low));
+    REQUIRE(projector.project(cascade->surface_point({1 - margin, 1 - margin}, nullptr), &high));
+    CHECK(length(0.5f * (low + high) - (corner + 0.5f * size)) < 0.01f);
+    const Vec2 extent = (1 - 2 * margin) * Vec2{100, 150};  // mm
+    const float px_per_mm = 0.5f * (size.x / extent.x + size.y / extent.y);
+    CHECK(length(high - low - px_per_mm * extent) < 0.02f);
+  }
+}
+
 TEST_CASE("a box starts a frontal view that fills it") {
   const OpenedEgg egg(6);
   InArena<Cascade> cascade(egg.model);
@@ -87,6 +127,7 @@ TEST_CASE("a box without area, and a camera that is not finite, start nothing") 
     return view_from_box(cascade.object, egg.q.data(), {0, 0}, size, by, &view);
   };
   CHECK(status({0, 10}, camera) == Status::bad_argument);
+  CHECK(status({10, 0}, camera) == Status::bad_argument);
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     CHECK(status({bad, 10}, camera) == Status::bad_argument);
     for (float Camera::*const number : {&Camera::f, &Camera::cx, &Camera::cy}) {

@@ -1,0 +1,54 @@
+// What comes after a track that has begun while another one ended. Detection and alignment are a fake that knows the truth.
+#include "track/found_track.hpp"
+
+#include <doctest/doctest.h>
+
+#include "fake_faces.hpp"
+#include "model_builder.hpp"
+
+namespace found_track_test {
+
+using namespace pliant;
+
+namespace {
+
+constexpr std::size_t kFrames = 60;
+
+const FaceFilm& film() {
+  static const FaceFilm* one = new FaceFilm(
+      320, 240, kFrames, [](float s, Pose& pose, auto&) { pose.t.x += 20 * s; }, 0.5f);
+  return *one;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "after a track that has begun anew, a start of the caller's takes all its templates, from its own "
+    "picture") {
+  FakeFaces fake(film());
+  fake.covered_frames = 10;
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks()),
+      first(baked_face().model, limits_with_looks());
+  std::size_t k = 0;
+  for (; k < kFrames && (k == 0 || tracker->track_number() < 2); ++k) update(tracker.object, film(), k);
+  REQUIRE(k < kFrames);
+  for (const std::size_t end = k + 4; k < end; ++k)
+    update(tracker.object, film(), k);  // it has all its templates
+  // Of another place, so that the picture that the tracker has is another one.
+  FrameView view = film().view(0);
+  FrameResult result[2];
+  for (Tracker* each : {&tracker.object, &first.object})
+    REQUIRE(each->start_from_pose(view, film().camera, film().poses[0], baked_face().rest().data(), {}) ==
+            Status::ok);
+  CHECK(tracker->result().tracked == first->result().tracked);
+  CHECK(tracker->result().tracked > limits_with_looks().patches / 2);
+  view = film().view(1);
+  REQUIRE(tracker->update(view, &result[0]) == Status::ok);
+  REQUIRE(first->update(view, &result[1]) == Status::ok);
+  CHECK(result[0].tracked == result[1].tracked);
+  CHECK(result[0].pose.t.x == result[1].pose.t.x);
+  CHECK(result[0].pose.t.z == result[1].pose.t.z);
+  CHECK(result[0].rms_px == result[1].rms_px);
+}
+
+}  // namespace found_track_test
