@@ -31,6 +31,28 @@ TEST_CASE("templates are placed at corners of the visible surface, apart from ea
   }
 }
 
+TEST_CASE("through a lens, too, templates are placed where the surface is seen at their corners") {
+  for (const float k1 : {0.5f, 1.5f}) {
+    Rig rig;
+    Camera camera =
+        film().camera;  // of half the focal length, so near that the lens bends the sides of the face
+    camera.k1 = k1;
+    camera.f = 0.5f * film().camera.f;
+    Pose near = film().poses[0];
+    near.t.z *= 0.5f;
+    REQUIRE(rig.estimator->start(camera, 320, 240, near, film().parameters[0].data(), nullptr, {}) ==
+            Status::ok);
+    const Vec2 middle{camera.cx, camera.cy}, side = middle + Vec2{60 * camera.f / near.t.z, 0};
+    REQUIRE(length(rig.estimator->lens().distort(side) - side) > 1);
+    rig.place(0, 40);
+    CHECK(rig.used(0, 40) > 10);
+    for (std::size_t k = 0; k < 40; ++k) {
+      const Template& t = rig.templates.object[k];
+      if (t.is_used) CHECK(length(rig.estimator->predict(t.id).x - t.found_at) < 0.1f);
+    }
+  }
+}
+
 TEST_CASE("slots are those of frame 0, then those of one key frame after the other") {
   TrackerLimits limits = Rig::limits_of(40);
   limits.key_frames = 3;
