@@ -43,9 +43,13 @@ class PrintFinder {
   /// A fit and its verification.
   struct Candidate {
     View view;
-    float rms_px = 0;
+    float residual_px = 0;  // rms, the larger the more the shape is bent
     PrintAgreement agreement;
     bool is_accepted = false;
+  };
+  /// The best two of all views.
+  struct Solutions {
+    Candidate best, other;
   };
 
   CornerChoice choice() const;
@@ -53,10 +57,11 @@ class PrintFinder {
   bool fit_views(Span<const ViewVotes> views, const FrameView& frame, const Camera& camera,
                  FoundPrint* found);
   bool waits(const FoundPrint& found, bool is_quick);
-  bool fit_solutions(const View& start, const FrameView& frame, const Camera& camera, FoundPrint* found);
+  void fit_solutions(const View& start, const FrameView& frame, const Camera& camera, Solutions* solutions);
   View tilted_back(const View& view, bool bends);
-  static bool is_clear(const Candidate& best, const Candidate& other);
   static bool is_better(const Candidate& a, const Candidate& b);
+  static bool keep(const Candidate& candidate, Solutions* solutions);
+  static bool is_clear(const Solutions& solutions);
   Candidate fit_candidate(const View& start, const FrameView& frame, const Camera& camera);
   bool fit(const FrameView& frame, const Camera& camera, bool bends, float tolerance, View* view,
            FitReport* report);
@@ -65,6 +70,7 @@ class PrintFinder {
               View* view, FitReport* report);
   Span<const Correspondence> points_near(const View& view, float tolerance);
   PrintAgreement verify(const View& view, const FrameView& frame);
+  float bent_of(Span<const float> q) const;
   int expected_places(const Pose& pose);
   float extent_px(const View& view) const { return view.s * matcher_.table().extent_mm(); }
 
@@ -79,8 +85,7 @@ class PrintFinder {
   int doubtful_frames_ = 0;  // in succession, the better ones twice
   int failed_searches_ = 0;  // modulo the interval of spread corners
   Span<Correspondence> points_;
-  // Parameters: zeros, of the present fit, of its view's best one, and of the best of all.
-  Span<float> rest_, q_, best_q_, found_q_;
+  Span<float> rest_, q_, found_q_;  // parameters: zeros, of the present fit, and of the best one
   Span<std::uint8_t> is_frozen_;  // zeros: no parameter is free
 };
 
