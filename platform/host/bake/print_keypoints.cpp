@@ -17,9 +17,9 @@ namespace {
 /// Tuning of the keypoints. Each constant: unit, reason, experiment.
 struct PrintKeypointTuning {
   int cells = 96;               ///< of the surface that is drawn, a side: flat enough for a picture
-  /// Diagonal of the surface at the finest level, px. All else was tuned with 640 and an extent that was 0.7 % too small: this
-  /// value gives the fixtures' sheet the same scales. Which starts of a print 66 px high are right changes with it by chance.
-  float most_side_px = 644.468f;
+  /// Diagonal of the surface at the finest level, px: a round value. With 644, 656 and 672 as many starts of small sheets are
+  /// right, within what chance does (docs/experiments.md, Start by print).
+  float most_side_px = 640;
   int least_side_px = 60;       ///< and at the coarsest
   float level_ratio = 1.4142f;  ///< of scales: a descriptor stands 20 % of change
   /// Diagonals of the surface, px, at which corners are also described with half a patch: in a small print a whole one reaches
