@@ -103,6 +103,7 @@ TEST_CASE("a mesh that follows the view has all its vertices on the surface, wit
   for (const bool keeps_samples : {true, false}) {
     Rig rig(0, keeps_samples);
     MeshPolicy follows;
+    follows.following = &kMeshFollowing;
     follows.operations = 100;
     follows.view = {pose_of(rig.egg.state.view), rig.egg.camera.f, 320, 240, 640, 480};
     follows.view.tolerance_px = 0.005f;
@@ -138,6 +139,7 @@ TEST_CASE("a mesh follows the surface of the person who has changed: one whose s
   const Camera camera = centred_camera(640, 480, 800);
   state.view = view_of({exp_rotation({0, 0.8f, 0}), {0, 0, 300}}, camera);
   MeshPolicy follows;
+  follows.following = &kMeshFollowing;
   follows.operations = 100;
   follows.view = {pose_of(state.view), camera.f, camera.cx, camera.cy, 640, 480};
   follows.view.tolerance_px = 0.02f;

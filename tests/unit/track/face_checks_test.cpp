@@ -100,6 +100,8 @@ TEST_CASE("checks stay frequent while the landmark error is large") {
 }
 
 TEST_CASE("a track that was found with a covered part is degraded until a check sees the whole face") {
+  // A track that stays poor for longer is given up.
+  constexpr std::size_t kFew = kFaceChecksTuning.check_interval_frames * (kFaceChecksTuning.poor_checks - 1);
   struct Seen {
     std::size_t degraded = 0;
     bool at_the_end = false;
@@ -112,7 +114,7 @@ TEST_CASE("a track that was found with a covered part is degraded until a check 
     InArena<Tracker> tracker(baked_face().model, limits_with_fake());
     if (!is_found) REQUIRE(film().start_at_pose(tracker.object) == Status::ok);
     Seen seen;
-    for (std::size_t n = is_found ? 0 : 1; n < kFrames; ++n) {
+    for (std::size_t n = is_found ? 0 : 1; n < kFew; ++n) {
       if (n == until) fake.least_part = 0;
       const FrameResult result = update(tracker.object, film(), n);
       REQUIRE(result.state != TrackState::lost);
@@ -123,13 +125,13 @@ TEST_CASE("a track that was found with a covered part is degraded until a check 
   };
   constexpr float kCovered = kFaceChecksTuning.least_part - 0.1f, kSeen = kFaceChecksTuning.least_part + 0.1f;
   constexpr float kDoubtful = 1.1f * kFaceChecksTuning.doubtful_error, kSmall = 0.02f;
-  CHECK(play(kCovered, kDoubtful, kFrames).degraded == kFrames - 1);  // the first check is in frame 1
-  CHECK(play(kSeen, kDoubtful, kFrames).degraded == 0);
-  CHECK(play(kCovered, kSmall, kFrames).degraded == 0);
+  CHECK(play(kCovered, kDoubtful, kFew).degraded == kFew - 1);  // the first check is in frame 1
+  CHECK(play(kSeen, kDoubtful, kFew).degraded == 0);
+  CHECK(play(kCovered, kSmall, kFew).degraded == 0);
   const Seen uncovered = play(kCovered, kDoubtful, 10);
   CHECK(uncovered.degraded >= 9);
   CHECK(!uncovered.at_the_end);
-  CHECK(play(kCovered, kDoubtful, kFrames, false).degraded == 0);  // the caller has said where the face is
+  CHECK(play(kCovered, kDoubtful, kFew, false).degraded == 0);  // the caller has said where the face is
 }
 
 TEST_CASE("after a bad check the next frame is checked") {
