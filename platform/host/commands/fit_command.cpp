@@ -250,7 +250,9 @@ int run_fit(const Args& args, Console& console) {
   check_fitted(args, points || aligns);
   std::function<FitFile(const FitSetup&)> make_fit;
   if (points)
-    make_fit = [&](const FitSetup& how) { return fit_to_points(file, *points, read_points(*points), how); };
+    make_fit = [&, read = read_points(*points)](const FitSetup& how) {
+      return fit_to_points(file, *points, read, how);
+    };
   else if (aligns)
     make_fit = [&, face = face_in(image, args.required("--image"), file, setup, face_box)](
                    const FitSetup& how) { return fit_to_face(file, args.required("--image"), face, how); };

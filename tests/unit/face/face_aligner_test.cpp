@@ -290,7 +290,8 @@ TEST_CASE("an alignment in steps has the bits of one in one call where all are t
     REQUIRE(advance(moved.view(), 1) == Status::ok);
   }
   // This table does not look at the picture: only what the face has moved from frame to frame counts.
-  CHECK(length(steps.box().center - (whole.box().center + Vec2{3.0f * static_cast<float>(count - 1), 0})) < 1);
+  CHECK(length(steps.box().center - (whole.box().center + Vec2{3.0f * static_cast<float>(count - 1), 0})) <
+        1);
   CHECK(steps.q != untouched);
   REQUIRE(aligner.begin(frame, box, camera, steps.q.data(), &count) == Status::ok);
   CHECK(aligner.verify(frame, camera, steps.face.pose, steps.q.data(), &steps.face) == Status::ok);

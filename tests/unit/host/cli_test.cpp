@@ -1,5 +1,6 @@
 // The pliant command: what info, fit, render and bake write, and what they say about bad input.
 #include <doctest/doctest.h>
+#include <unistd.h>
 
 #include <sstream>
 
@@ -404,6 +405,15 @@ TEST_CASE("fit tells of points whose v counts upwards, and of dynamics that have
   CHECK(early.code == 1);
   CHECK(is_one_line(early.err));
   CHECK(contains(early.err, "p.csv: the dynamics have not converged"));
+  int pipe[2];  // which can be read once
+  REQUIRE(::pipe(pipe) == 0);
+  const std::string points = read_file(folder / "p.csv"), name = "/dev/fd/" + std::to_string(pipe[0]);
+  REQUIRE(::write(pipe[1], points.data(), points.size()) == static_cast<ssize_t>(points.size()));
+  ::close(pipe[1]);
+  const Ran piped = run_words({"fit", table, "--size", "320x240", "--points", name, "--method", "euler",
+                               "--steps", "1", "--delta", "1e-9", "-o", folder / "fit.json"});
+  ::close(pipe[0]);
+  CHECK(contains(piped.err, name + ": the dynamics have not converged"));
   const Ran small = run_words(
       {"fit", table, "--size", "80x50", "--points", folder / "p.csv", "-o", folder / "fit.json"});
   CHECK(small.code == 0);
