@@ -48,7 +48,7 @@ class FaceAligner {
  public:
   /// Arena layout (create_in, measured_bytes), with the model's own learnt table, whose checksum Model::open has computed.
   void lay_out(Arena& arena, const Model& model) { lay_out(arena, model, model.aligner()); }
-  /// The same in three tenths of the memory: what an alignment keeps from frame to frame. Each frame's calls need `lay_out_scratch`
+  /// The same in a third of the memory: what an alignment keeps from frame to frame. Each frame's calls need `lay_out_scratch`
   /// before them. Until the first one, calls return capacity.
   void lay_out_spread(Arena& arena, const Model& model);
   /// The rest, in memory that may be used otherwise after the frame's calls. If it has no room, or measures, they return capacity.
@@ -85,9 +85,9 @@ class FaceAligner {
   /// \return as `align`.
   Status begin(const FrameView& frame, const FaceBox& box, const Camera& camera, const float* q, int* steps,
                const AlignOptions& options = {});
-  /// Takes steps of the alignment begun. A later frame must show the face near where the steps before have
-  /// found it. The last step writes the results. Each call takes the picture anew around the face, so that several calls in one
-  /// frame end a little elsewhere than `align`.
+  /// Takes steps of the alignment begun. In a later frame the face may have moved by up to a third of its box's side: it is
+  /// followed by comparing the two frames. The last step writes the results. Each call takes the picture anew around the face, so
+  /// that several calls in one frame end a little elsewhere than `align`.
   /// \return as `align`, where not_found ends the alignment; size_mismatch (another size than in `begin`);
   ///         not_started (no alignment, or all its steps were taken).
   Status advance(const FrameView& frame, int steps, AlignedFace* face, float* q, Span<Vec2> landmarks = {});

@@ -13,17 +13,17 @@ struct Detection;
 /// Starts that a tracker makes by itself, by name, so that programs that do not use them do not link them.
 /// This one: detection, alignment and verification of faces from learnt tables. Faces are found that are turned in the picture by
 /// up to about 30 degrees, and with a Camera::aspect of 0.67 to 1.5: the frame is searched as if its pixels were square. With an
-/// aspect of 2 or 0.5 a quarter or more of the faces is not found. 33 kB of code on a Cortex-M7.
+/// aspect of 2 or 0.5 a quarter or more of the faces is not found. 34 kB of code on a Cortex-M7.
 extern const Detection kUprightFaceDetection;
 /// The same of faces at any roll, and with any Camera::aspect: a third of the searches is of the turned frame. A face that is
 /// turned by an odd number of eighths of a turn must be 1.4 times as large as an upright one. A search takes width x height bytes
-/// more, which are the track's afterwards: of 320 x 240 no profile's block grows. 35 kB of code on a Cortex-M7.
+/// more, which are the track's afterwards: of 320 x 240 no profile's block grows. 36 kB of code on a Cortex-M7.
 extern const Detection kFaceDetection;
-/// The search for a printed surface and its verification, from the keypoints of its albedo. 29 kB of code on a Cortex-M7.
+/// The search for a printed surface and its verification, from the keypoints of its albedo. 30 kB of code on a Cortex-M7.
 extern const Detection kPrintDetection;
-/// Whichever the model has tables for: upright faces, or a print. 62 kB of code on a Cortex-M7.
+/// Whichever the model has tables for: upright faces, or a print. 63 kB of code on a Cortex-M7.
 extern const Detection kUprightDetection;
-/// The same with faces at any roll. 64 kB.
+/// The same with faces at any roll. 65 kB.
 extern const Detection kDetection;
 
 struct PersonRefinement;
@@ -99,7 +99,7 @@ struct TrackerLimits {
   const Detection* detection = &kDetection;
   /// Aligns the face again while it is tracked: in each frame in which the templates fail, so that it is tracked in changing light;
   /// and now and then, to begin anew where more of the face is seen than at a start by alignment (docs/algorithms.md, 7.15).
-  /// 58 kB with the built-in face and the default limits, which share memory with it; 45 kB with those of profile L, 74 kB with
+  /// 61 kB with the built-in face and the default limits, which share memory with it; 48 kB with those of profile L, 78 kB with
   /// those of profile S. If null, none of this is done, and the code is left out of the program.
   const SecondLook* second_look = &kSecondLook;
   /// Estimates the identity parameters while the head turns far (docs/algorithms.md, section 7.20). Identity

@@ -1,6 +1,6 @@
 #pragma once
 // How far a face has moved in the image between two pictures of one part of it: an alignment whose steps are spread over frames
-// follows the face (docs/algorithms.md, section 7.13).
+// follows the face (docs/algorithms.md, section 7.15).
 #include <cstdint>
 
 #include "face/face_picture.hpp"

@@ -28,8 +28,7 @@ struct Estimator::Impl : StateParts {
   std::size_t sample_capacity = 0;     // a point
   std::uint32_t tangent_interval = 1, vertex_interval = 1;  // frames
   Status (Cascade::*personalise)(const float* q) = nullptr;
-  const MeshFollowing* mesh_following =
-      nullptr;                      // null: the limits name none, or there is no memory that stays
+  const MeshFollowing* mesh_following = nullptr;  // null: none is named, or no memory stays for it
   bool surface_is_trusted = false;  // all vertices are at the trusted parameters
 
   std::size_t parameter_count() const { return cascade.parameter_count(); }

@@ -316,9 +316,9 @@ TEST_CASE("TrackerLimits states what second looks and the search at any roll tak
     limits.second_look = nullptr;
     return static_cast<double>(all - measured_bytes<Tracker>(model, limits));
   };
-  CHECK(of_looks(profile_s()) == doctest::Approx(74e3).epsilon(0.08));
-  CHECK(of_looks(profile_m()) == doctest::Approx(58e3).epsilon(0.08));
-  CHECK(of_looks(profile_l()) == doctest::Approx(45e3).epsilon(0.08));
+  CHECK(of_looks(profile_s()) == doctest::Approx(78e3).epsilon(0.08));
+  CHECK(of_looks(profile_m()) == doctest::Approx(61e3).epsilon(0.08));
+  CHECK(of_looks(profile_l()) == doctest::Approx(48e3).epsilon(0.08));
   const auto of_rolls = [&](TrackerLimits limits) {
     limits.detection = &kFaceDetection;
     const std::size_t all = measured_bytes<Tracker>(model, limits);
