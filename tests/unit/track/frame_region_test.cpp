@@ -164,11 +164,13 @@ TEST_CASE("frames of another size or format are refused") {
   view.height = kHeight - 1;
   CHECK(in_place->check_frame(view) == Status::size_mismatch);
   view = picture.view();
+  // Rows so far apart are more than half of the address space where an address has 32 bits.
+  const Status far_apart = sizeof(std::size_t) > 4 ? Status::ok : Status::bad_argument;
   view.stride_bytes = std::size_t{1} << 24;  // a frame that is used in place has offsets of 32 bits
-  CHECK(in_place->check_frame(view) == Status::ok);
+  CHECK(in_place->check_frame(view) == far_apart);
   ++view.stride_bytes;
   CHECK(in_place->check_frame(view) == Status::bad_argument);
-  CHECK(copied->check_frame(view) == Status::ok);
+  CHECK(copied->check_frame(view) == far_apart);
   view = picture.view();
   view.data = nullptr;
   CHECK(in_place->check_frame(view) == Status::bad_argument);
