@@ -8,6 +8,12 @@
 #include "track/face_checks.hpp"
 #include "track/face_search.hpp"
 
+/// A face at 320 x 240 that drifts by 20 mm.
+inline FaceFilm drifting_face(std::size_t frames) {
+  return FaceFilm(
+      320, 240, frames, [](float s, pliant::Pose& pose, auto&) { pose.t.x += 20 * s; }, 0.5f);
+}
+
 /// One at a time: a tracker calls its functions through a table.
 struct FakeFaces {
   // What it does.

@@ -6,6 +6,17 @@
 #include "model_builder.hpp"
 #include "posed_egg.hpp"
 
+/// A mesh that follows the view, by as many operations as it needs.
+inline pliant::MeshPolicy following(const pliant::View& view, const pliant::Camera& camera,
+                                    float tolerance_px) {
+  pliant::MeshPolicy policy;
+  policy.following = &pliant::kMeshFollowing;
+  policy.operations = 100;
+  policy.view = {pliant::pose_of(view), camera.f, camera.cx, camera.cy, 640, 480};
+  policy.view.tolerance_px = tolerance_px;
+  return policy;
+}
+
 /// The visible surface of an egg.
 struct EggSurface {
   PosedEgg egg;

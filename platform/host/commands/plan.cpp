@@ -48,7 +48,8 @@ struct Instructions {
   double strip_column = 23000;  ///< of the frame: rows above the one where the search goes on
   double turned_pixel = 50;
   double alignment_step = 1.8e6, alignment_end = 1.1e6;
-  double face_motion = 0.9e6;    ///< since the frame before, where an alignment is spread over frames
+  double face_motion =
+      1e6;  ///< since the frame before, where an alignment is spread over frames; 0.95 were counted
   double personal_sample = 9.5;  ///< of one field at one sample of the person's
   double adapted_vertex = 60000;
   double captured_record = 400;  ///< of a template of frame 0

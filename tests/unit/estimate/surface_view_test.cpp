@@ -102,11 +102,7 @@ TEST_CASE("the contour is that of the present view, also where the drawing is of
 TEST_CASE("a mesh that follows the view has all its vertices on the surface, with samples and without") {
   for (const bool keeps_samples : {true, false}) {
     Rig rig(0, keeps_samples);
-    MeshPolicy follows;
-    follows.following = &kMeshFollowing;
-    follows.operations = 100;
-    follows.view = {pose_of(rig.egg.state.view), rig.egg.camera.f, 320, 240, 640, 480};
-    follows.view.tolerance_px = 0.005f;
+    const MeshPolicy follows = following(rig.egg.state.view, rig.egg.camera, 0.005f);
     REQUIRE(rig.surface->start(rig.egg.model) == Status::ok);
     rig.egg.pose({{}, {0, 5, 7000}});
     rig.surface->adapt(rig.egg.cascade.object, rig.egg.state, follows);
@@ -138,11 +134,7 @@ TEST_CASE("a mesh follows the surface of the person who has changed: one whose s
   state.q = &q;
   const Camera camera = centred_camera(640, 480, 800);
   state.view = view_of({exp_rotation({0, 0.8f, 0}), {0, 0, 300}}, camera);
-  MeshPolicy follows;
-  follows.following = &kMeshFollowing;
-  follows.operations = 100;
-  follows.view = {pose_of(state.view), camera.f, camera.cx, camera.cy, 640, 480};
-  follows.view.tolerance_px = 0.02f;
+  const MeshPolicy follows = following(state.view, camera, 0.02f);
   REQUIRE(surface->start(built.model) == Status::ok);
   surface->adapt(cascade.object, state, follows);
   const int flat = surface->mesh().vertex_count();

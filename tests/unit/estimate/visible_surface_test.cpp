@@ -21,11 +21,7 @@ namespace {
 /// are not on it when the mesh is fine again.
 std::size_t count_old_vertices(std::uint32_t lead) {
   Rig rig;
-  MeshPolicy follows;
-  follows.following = &kMeshFollowing;
-  follows.operations = 100;
-  follows.view = {pose_of(rig.egg.state.view), rig.egg.camera.f, 320, 240, 640, 480};
-  follows.view.tolerance_px = 0.005f;
+  const MeshPolicy follows = following(rig.egg.state.view, rig.egg.camera, 0.005f);
   REQUIRE(rig.surface->start(rig.egg.model) == Status::ok);
   rig.surface->adapt(rig.egg.cascade.object, rig.egg.state, follows);
   rig.update(0, 1);

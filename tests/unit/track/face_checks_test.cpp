@@ -15,8 +15,7 @@ namespace {
 constexpr std::size_t kFrames = 24;
 
 const FaceFilm& film() {
-  static const FaceFilm* one = new FaceFilm(
-      320, 240, kFrames, [](float s, Pose& pose, auto&) { pose.t.x += 20 * s; }, 0.5f);
+  static const FaceFilm* one = new FaceFilm(drifting_face(kFrames));
   return *one;
 }
 
@@ -270,6 +269,25 @@ TEST_CASE("a track is given up after so many bad checks in a row") {
     fake.verification = 0.99f;
     if (!is_last_row) track.conclude(checks);
   }
+}
+
+TEST_CASE("the patience with poor tracks doubles with each, up to the most, and a good check restores it") {
+  FakeFaces fake(film());
+  StandingTrack track;
+  FaceChecks checks = track.begin(0.02f);
+  const auto play_poor = [&] {  // \return checks until the track has stayed poor
+    fake.error = 0.2f;
+    int count = 0;
+    for (checks.begin_track(fake.error, false); !checks.has_stayed_poor(); ++count) track.conclude(checks);
+    return count;
+  };
+  for (int most = kFaceChecksTuning.poor_checks; most < kFaceChecksTuning.most_poor_checks; most *= 2)
+    CHECK(play_poor() == most);
+  for (int k = 0; k < 2; ++k) CHECK(play_poor() == kFaceChecksTuning.most_poor_checks);
+  fake.error = 0.01f;
+  checks.begin_track(fake.error, false);
+  track.conclude(checks);
+  CHECK(play_poor() == kFaceChecksTuning.poor_checks);
 }
 
 TEST_CASE(

@@ -15,8 +15,7 @@ namespace {
 constexpr std::size_t kFrames = 60;
 
 const FaceFilm& film() {
-  static const FaceFilm* one = new FaceFilm(
-      320, 240, kFrames, [](float s, Pose& pose, auto&) { pose.t.x += 20 * s; }, 0.5f);
+  static const FaceFilm* one = new FaceFilm(drifting_face(kFrames));
   return *one;
 }
 

@@ -18,8 +18,7 @@ constexpr int kWidth = 320, kHeight = 240;
 constexpr std::size_t kFrames = 40;
 
 const FaceFilm& film() {
-  static const FaceFilm* made = new FaceFilm(
-      kWidth, kHeight, kFrames, [](float s, Pose& pose, auto&) { pose.t.x += 20 * s; }, 0.5f);
+  static const FaceFilm* made = new FaceFilm(drifting_face(kFrames));
   return *made;
 }
 
