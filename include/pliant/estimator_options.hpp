@@ -58,6 +58,9 @@ struct EstimatorLimits {
   /// adapts the mesh, and which others may use between starts. `start` then returns capacity for options with mesh_operations.
   /// Empty: the estimator has memory of its own for that.
   Span<unsigned char> adaptation_memory;
+  /// If not empty, at least solve_bytes at an address that is a multiple of Arena::kAlignment: memory of the solves, which others
+  /// may use from an `end` to the next solve. Empty: the estimator has memory of its own for that.
+  Span<unsigned char> solve_memory;
 };
 
 /// Bytes that the adaptation of a mesh takes at most (EstimatorLimits::vertices).
@@ -65,11 +68,24 @@ constexpr std::size_t adaptation_bytes(std::uint16_t vertices) {
   return std::size_t{48} * vertices + 128;  // Adapter, and the alignment of its arrays
 }
 
+/// Whether memory that the caller lends has room for so many bytes, and is aligned; or none is lent.
+inline bool is_usable_for(std::size_t bytes, Span<unsigned char> memory) {
+  return memory.empty() ||
+         (memory.data != nullptr && memory.count >= bytes && Arena(memory.data, memory.count).is_aligned());
+}
+
 /// create_in refuses limits whose memory for adaptation is too small or not aligned (arena.hpp).
 inline bool is_usable(const EstimatorLimits& limits) {
-  const Span<unsigned char>& memory = limits.adaptation_memory;
-  return memory.empty() || (memory.data != nullptr && memory.count >= adaptation_bytes(limits.vertices) &&
-                            Arena(memory.data, memory.count).is_aligned());
+  return is_usable_for(adaptation_bytes(limits.vertices), limits.adaptation_memory);
+}
+
+/// Bytes of the solves of an estimator with these limits (EstimatorLimits::solve_memory).
+std::size_t solve_bytes(const Model& model, const EstimatorLimits& limits);
+
+/// create_in also refuses limits whose memory for solves is too small or not aligned (arena.hpp).
+inline bool are_usable(const Model& model, const EstimatorLimits& limits) {
+  return is_usable(model) && is_usable(limits) &&
+         is_usable_for(solve_bytes(model, limits), limits.solve_memory);
 }
 
 /// The same limits without a mesh that follows the view.

@@ -35,6 +35,10 @@ struct AlignOptions {
   /// Of an alignment in a box: by how much the face is turned in the image, clockwise, radians; an error of 30 degrees is allowed
   /// (DetectedFace). What is not finite counts as 0.
   float roll = 0;
+  /// Of an alignment over several frames: its score is taken twice, after the last stage and in one more step, the last, which may
+  /// be taken in a later frame. The larger one counts, unless the second is below 0.3: light that hides the face in one of the two
+  /// frames need not speak against the alignment.
+  bool is_scored_twice = false;
 };
 
 /// Aligns one model to faces in frames, by the learnt table of a model or another one (docs/algorithms.md,
@@ -56,8 +60,9 @@ class FaceAligner {
   void lay_out_scratch(Arena& scratch);
   /// Bytes of it.
   static std::size_t scratch_bytes(const Model& model);
-  /// The same for `verify` only, in two fifths of the memory.
-  void lay_out_for_verification(Arena& arena, const Model& model);
+  /// The same for `verify`, and for alignments that leave only expressions free (others return capacity), in half of the memory:
+  /// what the fields are at each landmark is not kept from step to step.
+  void lay_out_for_known_person(Arena& arena, const Model& model);
   /// The same with another table.
   /// \param table  a learnt table, aligned to 4 bytes; it must outlive this object. A bad one is told by `status`.
   void lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> table);
@@ -81,7 +86,7 @@ class FaceAligner {
   /// Begins an alignment as `align`, whose steps `advance` takes in this frame and in later ones: so its work
   /// can be spread. Any other call of this object ends it.
   /// \param q      all parameters; those held by `options` are read.
-  /// \param steps  out: how many there are, at most 9. Each costs about the same.
+  /// \param steps  out: how many there are, at most 10. Each costs about the same.
   /// \return as `align`.
   Status begin(const FrameView& frame, const FaceBox& box, const Camera& camera, const float* q, int* steps,
                const AlignOptions& options = {});

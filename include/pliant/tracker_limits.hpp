@@ -97,10 +97,11 @@ struct TrackerLimits {
   /// verifies tracks. Null also keeps the code out of the program, but only where the limits are `constexpr`: a variable links
   /// what it was initialised with, even if it is changed later. The same holds for the other pointers.
   const Detection* detection = &kDetection;
-  /// Aligns the face again while it is tracked: in each frame in which the templates fail, so that it is tracked in changing light;
-  /// and now and then, to begin anew where more of the face is seen than at a start by alignment (docs/algorithms.md, 7.15).
-  /// 61 kB with the built-in face and the default limits, which share memory with it; 48 kB with those of profile L, 78 kB with
-  /// those of profile S. If null, none of this is done, and the code is left out of the program.
+  /// Aligns the face now and then while it is tracked, to begin anew where more of it is seen than at a start by alignment; and
+  /// aligns it with care in frames in which the templates fail: as the mean face, too, as another person where it may be one, and
+  /// with a new track where light has changed for good (docs/algorithms.md, 7.15). 48 kB with the built-in face and the default
+  /// limits or those of profile L, which share memory with it, 63 kB with those of profile S. If null, frames whose templates fail
+  /// are aligned once, from the last good pose, and the code of the rest is left out of the program.
   const SecondLook* second_look = &kSecondLook;
   /// Estimates the identity parameters while the head turns far (docs/algorithms.md, section 7.20). Identity
   /// that a start gives, with a pose or a saved state, stays. If null, it always stays, and the code is left

@@ -128,14 +128,16 @@ void Alignment::write_landmarks(Span<Vec2> landmarks) {
 }
 
 Status Alignment::begin(const FrameView& frame, const AlignOptions& options, bool is_refinement) {
-  if (use == AlignerUse::verification) return Status::bad_argument;
   Begun& b = *begun;
   pass.shape().start(b.start_view, start_q, options.is_free, b.lens);
+  if (!pass.shape().has_room()) return Status::capacity;
   b.width = frame.width;
   b.height = frame.height;
   b.refines = is_refinement;
   b.next_stage = 0;
-  b.steps_left = 1;  // one step concludes
+  b.is_scored_twice = options.is_scored_twice;
+  b.first_score = 0;
+  b.steps_left = 1 + b.is_scored_twice;  // the last steps conclude
   for (std::size_t k = 0; k < table->stage_count(); ++k)
     b.steps_left += !b.refines || table->stage(k).refines != 0;
   return Status::ok;
@@ -153,8 +155,12 @@ Status Alignment::begin_in_box(const FrameView& frame, const FaceBox& box, const
   return placed == Status::ok ? begin(frame, options, false) : placed;
 }
 
-/// \return whether the pose is still one.
-bool Alignment::run_next_stage() {
+/// Of the steps but the last. \return whether the pose is still one.
+bool Alignment::run_next_step() {
+  if (begun->is_scored_twice && begun->steps_left == 2) {
+    begun->first_score = conclude().score;
+    return true;
+  }
   while (begun->refines && table->stage(begun->next_stage).refines == 0) ++begun->next_stage;
   pass.run_stage(*table, begun->next_stage++);
   return pass.shape().is_usable();
@@ -167,7 +173,7 @@ Status Alignment::take_steps(const FrameView& frame, int steps, AlignedFace* fac
     return Status::not_found;
   }
   for (; steps > 0 && begun->steps_left > 1; --steps, --begun->steps_left)
-    if (!run_next_stage()) {
+    if (!run_next_step()) {
       begun->steps_left = 0;
       return Status::not_found;
     }
@@ -177,6 +183,7 @@ Status Alignment::take_steps(const FrameView& frame, int steps, AlignedFace* fac
   }
   begun->steps_left = 0;
   *face = conclude();
+  if (face->score >= kTuning.least_second_score) face->score = max(face->score, begun->first_score);
   if (!landmarks.empty()) write_landmarks(landmarks);
   copy(pass.shape().q(), model().parameters().count, q);
   return Status::ok;

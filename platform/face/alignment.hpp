@@ -11,6 +11,9 @@ struct AlignmentTuning {
   float least_landmarks = 0.75f;
   /// Largest side of a box, and largest principal point, px: beyond, single precision has no pixels.
   float most_px = 1e5f;
+  /// Second score, at least, for the first one to count (AlignOptions::is_scored_twice). With 0.1 as many frames of films of
+  /// portraits are right, with 0.7 1 to 7 % fewer in shadows of trees (docs/experiments.md, Searches and first checks).
+  float least_second_score = 0.3f;
 };
 inline constexpr AlignmentTuning kAlignmentTuning{};
 
@@ -30,6 +33,8 @@ struct Alignment {
     bool refines = false;
     std::size_t next_stage = 0;
     int steps_left = 0;
+    bool is_scored_twice = false;  // as AlignOptions; the score as it was taken first
+    float first_score = 0;
   };
   Begun* begun = nullptr;  // in the arena, for the same reason
 
@@ -55,7 +60,7 @@ struct Alignment {
   AlignedFace conclude();
 
  private:
-  bool run_next_stage();
+  bool run_next_step();
   void write_landmarks(Span<Vec2> landmarks);
 };
 

@@ -33,8 +33,8 @@ std::size_t FaceAligner::scratch_bytes(const Model& model) {
   return arena.used_bytes() - kept;
 }
 
-void FaceAligner::lay_out_for_verification(Arena& arena, const Model& model) {
-  state_ = create_part<State>(arena, model, model.aligner(), AlignerUse::verification);
+void FaceAligner::lay_out_for_known_person(Arena& arena, const Model& model) {
+  state_ = create_part<State>(arena, model, model.aligner(), AlignerUse::known_person);
 }
 
 Status FaceAligner::status() const {

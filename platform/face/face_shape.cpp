@@ -8,25 +8,32 @@ namespace {
 
 constexpr std::size_t kPose = static_cast<std::size_t>(kPoseUnknowns);
 
+std::size_t count_expressions(const Model& model) {
+  std::size_t count = 0;
+  for (const Parameter& p : model.parameters()) count += p.group == Group::expression;
+  return count;
+}
+
 }  // namespace
 
 void FaceShape::lay_out(Arena& arena, const Model& model, std::size_t landmarks, AlignerUse use) {
-  const std::size_t parameters = model.parameters().count, unknowns = parameters + kPose;
+  const std::size_t parameters = model.parameters().count;
+  const bool is_known = use == AlignerUse::known_person;
+  const std::size_t unknowns = kPose + (is_known ? count_expressions(model) : parameters);
   cascade_.lay_out(arena, model);
   q_ = arena.take<float>(parameters);
-  if (use != AlignerUse::verification) {
-    equations_.lay_out(arena, unknowns);
-    step_ = arena.take<float>(unknowns);
-    row_.lay_out(arena, unknowns);
-  }
+  equations_.lay_out(arena, unknowns);
+  step_ = arena.take<float>(unknowns);
+  row_.lay_out(arena, unknowns);
   uv_ = arena.take<Vec2>(landmarks);
   PLIANT_ASSERT(landmarks <= kMostLandmarks);
   count_ = landmarks;
-  if (use == AlignerUse::alignment) lay_out_samples(arena);
+  keeps_samples_ = !is_known;
+  if (use != AlignerUse::spread_alignment) lay_out_samples(arena);
 }
 
 void FaceShape::lay_out_samples(Arena& arena) {
-  samples_ = arena.take<Vec3>(count_ * cascade_.model().cascade().count);
+  samples_ = arena.take<Vec3>((keeps_samples_ ? count_ : 1) * cascade_.model().cascade().count);
   forget_samples();
 }
 
@@ -85,7 +92,7 @@ FaceShape::Seen FaceShape::evaluate(std::size_t k) {
   const Projector projector(view_, true);
   Vec3* const samples = samples_of(k);
   if (!is_sampled(k)) {
-    sampled_[k / 32] |= std::uint32_t{1} << (k % 32);
+    if (keeps_samples_) sampled_[k / 32] |= std::uint32_t{1} << (k % 32);
     cascade_.sample_point(uv_[k], q_, samples);
   }
   const Vec3 p = cascade_.evaluate(samples, q_, &jacobian_);

@@ -28,9 +28,9 @@ struct FaceShapeTuning {
 };
 inline constexpr FaceShapeTuning kFaceShapeTuning{};
 
-/// What an aligner is laid out for. A spread alignment takes what only one frame needs from scratch memory. Verification takes no
-/// steps, and has neither equations nor samples.
-enum class AlignerUse : std::uint8_t { alignment, spread_alignment, verification };
+/// What an aligner is laid out for. A spread alignment takes what only one frame needs from scratch memory. That of a known person
+/// has equations for expressions alone, and room for the samples of one landmark.
+enum class AlignerUse : std::uint8_t { alignment, spread_alignment, known_person };
 
 /// Pose and parameters of one face. A step: `begin`, then `evaluate` and `add` for each landmark, then
 /// `finish`.
@@ -40,7 +40,7 @@ class FaceShape {
   void lay_out(Arena& arena, const Model& model, std::size_t landmarks,
                AlignerUse use = AlignerUse::alignment);
   /// The samples of the fields at each landmark, which `evaluate` takes once. They are forgotten if they are laid out again, and at
-  /// `start`. Not for verification.
+  /// `start`.
   void lay_out_samples(Arena& arena);
 
   /// The landmarks by their (u,v). \param corners  outer eye corners and mouth corners.
@@ -52,6 +52,9 @@ class FaceShape {
   /// \param q  all parameters, finite; they are clamped to their limits. \param is_free  as AlignOptions.
   void start(const View& view, const float* q, const std::uint8_t* is_free, const Lens& lens);
 
+  /// Whether there is room for the equations of all that is free.
+  bool has_room() const { return kPoseUnknowns + cascade_.column_count() <= equations_.capacity(); }
+
   /// The upright crop at the present pose, around the middle of the corners.
   CropMap crop_map(float mm_per_px, int side);
 
@@ -62,7 +65,7 @@ class FaceShape {
     Vec2 x;            ///< px of the frame
     float weight = 0;  ///< in [0, 1]: less where it is turned away; 0: not before the camera
   };
-  /// With the derivatives that `add` needs. Alignment only.
+  /// With the derivatives that `add` needs.
   Seen evaluate(std::size_t k);
   /// Without; after `select`.
   Seen locate(std::size_t k);
@@ -88,7 +91,9 @@ class FaceShape {
 
  private:
   void add_priors(float prior);
-  Vec3* samples_of(std::size_t k) { return samples_ + k * cascade_.model().cascade().count; }
+  Vec3* samples_of(std::size_t k) {
+    return samples_ + (keeps_samples_ ? k * cascade_.model().cascade().count : 0);
+  }
   void forget_samples() {
     for (std::uint32_t& word : sampled_) word = 0;
   }
@@ -101,7 +106,8 @@ class FaceShape {
   Lens lens_;
   float *q_ = nullptr, *step_ = nullptr;
   static constexpr std::size_t kMostLandmarks = 96;
-  Vec3* samples_ = nullptr;                          // of each landmark; null in verification
+  bool keeps_samples_ = true;  // of each landmark, else there is room for those of one
+  Vec3* samples_ = nullptr;
   std::uint32_t sampled_[kMostLandmarks / 32] = {};  // a bit each: whether they are there
   PointRow row_;
   Vec2* uv_ = nullptr;

@@ -44,7 +44,7 @@ bool FaceChecks::is_due() const {
 /// \return false after too many bad checks in a row.
 inline bool FaceChecks::check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch) {
   Arena arena(scratch.data, scratch.count);
-  FaceAligner* const aligner = modules_->lay_out_verifier(arena, estimator.model());
+  FaceAligner* const aligner = modules_->lay_out_for_known_person(arena, estimator.model());
   AlignedFace face;
   if (aligner == nullptr || modules_->verify(*aligner, frame, estimator.camera(), pose_of(estimator.view()),
                                              estimator.parameters().data, &face) != Status::ok)
@@ -80,7 +80,7 @@ bool FaceChecks::conclude(const FrameView& frame, Estimator& estimator, bool che
 
 std::size_t check_bytes(const Model& model, const TrackerLimits& limits) {
   Arena trial;
-  limits.detection->modules->lay_out_verifier(trial, model);
+  limits.detection->modules->lay_out_for_known_person(trial, model);
   return trial.used_bytes();
 }
 

@@ -3,6 +3,7 @@
 
 #include "track/face_detection_state.hpp"
 #include "track/found_track.hpp"
+#include "track/realignment.hpp"
 #include "track/second_look.hpp"
 #include "track/tracker_parts.hpp"
 
@@ -123,7 +124,7 @@ void conclude(TrackerParts& t, const FrameView& view) {
     if (self.parts != nullptr && !self.checks.is_refuted()) t.result.gaze = self.parts->gaze;
   }
   const SecondLook* const second = self.look != nullptr ? t.limits.second_look : nullptr;
-  if (goes_on && second != nullptr && second->conclude(t, view)) return;
+  if (goes_on && (second != nullptr ? second->conclude(t, view) : is_bad && realign_near(t, view))) return;
   if (is_bad)
     goes_on = self.checks.endure(t.result, t.progress.bad_frames, t.key_frames.count()) &&
               (second == nullptr || !second->is_over(t));

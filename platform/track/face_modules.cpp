@@ -19,10 +19,10 @@ FaceAligner* lay_out_aligner(Arena& arena, const Model& model) {
   return create_part<FaceAligner>(arena, model, model.aligner());
 }
 
-FaceAligner* lay_out_verifier(Arena& arena, const Model& model) {
+FaceAligner* lay_out_for_known_person(Arena& arena, const Model& model) {
   FaceAligner* const aligner = arena.make<FaceAligner>();
   FaceAligner measured;
-  (aligner == nullptr ? measured : *aligner).lay_out_for_verification(arena, model);
+  (aligner == nullptr ? measured : *aligner).lay_out_for_known_person(arena, model);
   return aligner;
 }
 
@@ -61,7 +61,7 @@ Status verify(FaceAligner& aligner, const FrameView& frame, const Camera& camera
 
 }  // namespace
 
-const FaceModules kFaceModules{is_available, lay_out_detector, lay_out_aligner, lay_out_verifier,
+const FaceModules kFaceModules{is_available, lay_out_detector, lay_out_aligner, lay_out_for_known_person,
                                status,       search,           search_near,     begin,
                                advance,      refine,           verify};
 
@@ -84,8 +84,16 @@ Status search_near_rolled(FaceDetector& detector, const FrameView& frame, const 
 
 }  // namespace
 
-const FaceModules kRolledFaces{is_available,  lay_out_rolled,     lay_out_aligner, lay_out_verifier, status,
-                               search_rolled, search_near_rolled, begin,           advance,          refine,
+const FaceModules kRolledFaces{is_available,
+                               lay_out_rolled,
+                               lay_out_aligner,
+                               lay_out_for_known_person,
+                               status,
+                               search_rolled,
+                               search_near_rolled,
+                               begin,
+                               advance,
+                               refine,
                                verify};
 
 }  // namespace pliant

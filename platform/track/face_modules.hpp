@@ -21,7 +21,7 @@ struct FaceModules {
   FaceDetector* (*lay_out_detector)(Arena& arena, const Model& model, const FaceDetectorLimits& limits,
                                     const Quat& expected, float aspect);
   FaceAligner* (*lay_out_aligner)(Arena& arena, const Model& model);
-  FaceAligner* (*lay_out_verifier)(Arena& arena, const Model& model);  ///< for `verify` only
+  FaceAligner* (*lay_out_for_known_person)(Arena& arena, const Model& model);  ///< as FaceAligner
   /// What the two say of their tables.
   Status (*status)(const FaceDetector& detector, const FaceAligner& aligner);
   /// As the functions of RolledDetector, or FaceDetector, and FaceAligner of these names.

@@ -155,7 +155,8 @@ Status FaceSearch::begin_alignment(const SearchInput& input, const KnownPerson& 
   for (std::size_t k = 0; k < model_.parameters().count; ++k)
     q_[k] = is_known && is_expression_[k] == 0 ? person.q[k] : 0;
   return modules_->begin(*aligner_, input.frame, candidates_.next().box, camera,
-                         {is_known ? is_expression_ : nullptr, candidates_.next().roll}, q_, &steps_left_);
+                         {is_known ? is_expression_ : nullptr, candidates_.next().roll, spreads_work()}, q_,
+                         &steps_left_);
 }
 
 /// Goes on with the alignment that has begun.

@@ -37,7 +37,7 @@ struct FaceSearchTuning {
   /// Cells of the search that cost as much as a step of an alignment: so many take 2.0 million instructions on a PC, and a step at
   /// most 1.8 (`pliant plan`); on a Cortex-M7 4 and at most 3.4 (docs/evaluation.md, Work on a Cortex-M7). The default search of
   /// 24,000 cells leaves three alignments of six steps.
-  std::uint32_t cells_a_step = 1300;
+  std::uint32_t cells_a_step = 660;
   /// Probability that an alignment is right, at least, for a start of the caller's to be moved there. Round value.
   float least_refined = 0.5f;
   /// Alignments of a start from a box, count, at most, until one does not leave its box: shift, as a fraction of the side, and

@@ -19,6 +19,16 @@ bool is_right(const AlignedFace& face) {
   return face.score >= kTuning.least_score && face.landmark_error <= kTuning.most_error;
 }
 
+/// Aligns from `pose`, with the known person held. Results go to the room of the search.
+Status align_known(TrackerParts& t, const FrameView& frame, FaceAligner& aligner, const Pose& pose,
+                   AlignedFace* face) {
+  FaceSearch& search = face_detection_of(t).face_search;
+  const AlignmentRoom room = search.room();
+  copy(t.estimator.parameters().data, t.model().parameters().count, room.q);
+  return t.limits.detection->modules->refine(aligner, frame, t.estimator.camera(), pose,
+                                             search.of_known_person(), face, room.q, room.landmarks);
+}
+
 /// The alignments of one frame.
 struct Alignments {
   TrackerParts& t;
@@ -30,11 +40,8 @@ struct Alignments {
   const FaceModules& modules() const { return *detection.look->modules; }
   AlignmentRoom room() const { return detection.face_search.room(); }
 
-  /// Aligns from `pose`, with the known person held. Results go to the room of the search.
   Status align(const Pose& pose, AlignedFace* face) const {
-    copy(t.estimator.parameters().data, t.model().parameters().count, room().q);
-    return modules().refine(aligner, frame, t.estimator.camera(), pose,
-                            detection.face_search.of_known_person(), face, room().q, room().landmarks);
+    return align_known(t, frame, aligner, pose, face);
   }
 
   /// Aligns the mean face in a box, all parameters free, with the roll of the last good frame. Results go to `to`.
@@ -114,6 +121,20 @@ bool is_another(const Alignments& a, AlignedFace* face) {
 
 }  // namespace
 
+/// Ends a bad frame as a tracked one: its state is that of an alignment.
+bool take(TrackerParts& t, const AlignedFace& face) {
+  FaceDetectionState& detection = face_detection_of(t);
+  State measured;
+  measured.pose = face.pose;
+  measured.q = detection.face_search.room().q;
+  if (t.estimator.accept(measured, &t.result) != Status::ok) return false;
+  t.key_frames.trust(t.estimator);
+  t.progress.bad_frames = 1;  // in a row: the templates may fail as long as they like
+  detection.checks.see();
+  tell_worth(t.estimator.view(), face.landmark_error, false, &t.result);
+  return true;
+}
+
 bool realign(TrackerParts& t, const FrameView& frame) {
   const Alignments alignments = begin(t, frame);
   FaceDetectionState& detection = alignments.detection;
@@ -125,19 +146,23 @@ bool realign(TrackerParts& t, const FrameView& frame) {
   const Found found =
       suspected.side > 0 ? find_at(suspected, alignments, &face) : find_near(alignments, &face);
   if (found != Found::here) return found == Found::begun_anew;
-  State measured;
-  measured.pose = face.pose;
-  measured.q = alignments.room().q;
-  if (t.estimator.accept(measured, &t.result) != Status::ok) return false;
-  t.key_frames.trust(t.estimator);
-  t.progress.bad_frames = 1;  // in a row: the templates may fail as long as they like
-  detection.checks.see();
-  tell_worth(t.estimator.view(), face.landmark_error, false, &t.result);
+  if (!take(t, face)) return false;
   if (++look.realigned < kTuning.most_frames) return true;
   AlignedFace other;
   const bool is_same = !is_another(alignments, &other);
   begin_soon(t, frame, {is_same ? face : other, is_same, frame.time_ns});
   return true;
+}
+
+bool realign_near(TrackerParts& t, const FrameView& frame) {
+  Arena scratch(t.unused_between_frames.data, t.unused_between_frames.count);
+  FaceAligner* const aligner = t.limits.detection->modules->lay_out_for_known_person(scratch, t.model());
+  AlignedFace face;
+  if (aligner == nullptr ||
+      align_known(t, frame, *aligner, pose_of(t.estimator.view()), &face) != Status::ok || !is_right(face))
+    return false;
+  const float moved = distance_from_track(t, face_detection_of(t).face_search.room().landmarks);
+  return moved >= 0 && moved <= kTuning.most_distance_alone && take(t, face);
 }
 
 void resume(TrackerParts& t, const FrameView& frame) {

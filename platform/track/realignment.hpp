@@ -21,6 +21,8 @@ struct RealignmentTuning {
   /// cut to another size the mouth may be aligned to the nose, which looks right from there (docs/experiments.md, Cuts; this and
   /// the following constants). Round values.
   float most_distance = 0.05f, most_disagreement = 0.12f;
+  /// The same of the only alignment, where the limits name no second looks.
+  float most_distance_alone = 0.1f;
   /// Where they are away from each other the second one is believed, if its probability is at least this, and its estimated error
   /// at most this fraction of the first one's. Those of a second look (SecondLookTuning).
   float least_sure_score = kSecondLookTuning.least_score,
@@ -44,6 +46,9 @@ inline constexpr RealignmentTuning kRealignmentTuning{};
 /// \pre the limits name second looks. \return false: the frame stays bad. Cost: 4.5 million instructions with the defaults,
 /// 11.5 million where the mean face is aligned, too (with AVX2); where a new track begins a start besides.
 bool realign(TrackerParts& tracker, const FrameView& frame);
+
+/// The same where the limits name no second looks: one alignment, and no new track. \return false: the frame stays bad.
+bool realign_near(TrackerParts& tracker, const FrameView& frame);
 
 /// Ends a start from a saved state: where the face has moved since, the track begins anew at its alignment, as the same person with
 /// the same offsets. Nothing happens if the caller has given places of markers.

@@ -38,6 +38,8 @@ void TrackerParts::lay_out_tracking(Arena& arena, TrackerParts* parts, const Mod
   if (limits.mesh_following == nullptr)
     of_estimator.adaptation_memory = {parts == nullptr ? nullptr : parts->scratch.data,
                                       adaptation_bytes(limits.vertices)};
+  of_estimator.solve_memory = {parts == nullptr ? nullptr : parts->of_solves.data,
+                               solve_bytes(model, of_estimator)};
   lay_out_part(arena, parts == nullptr ? nullptr : &parts->estimator, model, of_estimator);
 }
 
@@ -89,8 +91,8 @@ void ImageParts::lay_out(Arena& arena, const Model& model, const TrackerLimits& 
   markers.lay_out(arena, limits.markers);
 }
 
-/// What is of one frame: the image of the region, which only frame-to-frame tracking needs in the next, searches and
-/// observations.
+/// What is of one frame: the image of the region, which only frame-to-frame tracking needs in the next, searches, observations
+/// and solves.
 void ImageParts::lay_out_unused_between_frames(Arena& arena, const Model& model,
                                                const TrackerLimits& limits) {
   if (limits.keeps_previous) region.lay_out(arena, limits);
@@ -108,13 +110,17 @@ void ImageParts::lay_out_unused_between_frames(Arena& arena, const Model& model,
   if (limits.mesh_following == nullptr) bytes = larger(bytes, adaptation_bytes(limits.vertices));
   if (limits.detection != nullptr && limits.detection->read_bytes != nullptr)
     bytes = larger(bytes, limits.detection->read_bytes(model, limits));
-  if (limits.detection != nullptr) {  // a check takes the other parts' memory, too
-    const std::size_t others = arena.used_bytes() - before;
-    bytes = larger(others + bytes, limits.detection->check_bytes(model, limits)) - others;
-  }
   if (limits.person != nullptr) bytes = larger(bytes, limits.person->scratch_bytes(model, limits));
   scratch = arena.take_span<unsigned char>(bytes);
   placement.set_scratch(scratch);
+  arena.count_as(Purpose::solver);
+  of_solves = arena.take_span<unsigned char>(solve_bytes(model, estimator_limits(limits)));
+  if (limits.detection != nullptr) {  // a check or an alignment takes all of it
+    const std::size_t all = arena.used_bytes() - before,
+                      needed = limits.detection->check_bytes(model, limits);
+    arena.count_as(Purpose::corners);
+    if (needed > all) arena.take<unsigned char>(needed - all);
+  }
   unused_between_frames = {first, arena.used_bytes() - before};
 }
 

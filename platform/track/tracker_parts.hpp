@@ -35,7 +35,8 @@ struct ImageParts {
   std::uint16_t* prediction_index = nullptr;  // by id of a surface point
   // For what is done at one time: corners, a check, mesh adaptation if limits share its memory.
   Span<unsigned char> scratch;
-  Span<unsigned char> unused_between_frames;  // with the scratch in it
+  Span<unsigned char> of_solves;              // unused where no solve of the frame follows
+  Span<unsigned char> unused_between_frames;  // with both in it
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
 

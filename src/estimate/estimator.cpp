@@ -10,11 +10,21 @@ std::size_t at_most(std::size_t limit, std::size_t all) {
   return limit > 0 && limit < all ? limit : all;
 }
 
+std::size_t most_unknowns(const Model& model, const EstimatorLimits& limits) {
+  return at_most(limits.free_parameters, model.parameters().count) + kPoseUnknowns;
+}
+
 std::uint32_t interval(std::uint8_t frames) {
   return frames > 0 ? frames : 1;
 }
 
 }  // namespace
+
+std::size_t solve_bytes(const Model& model, const EstimatorLimits& limits) {
+  Arena trial;
+  SolveScratch().lay_out(trial, model.parameters().count, most_unknowns(model, limits));
+  return trial.used_bytes();
+}
 
 Status check(const EstimatorOptions& o) {
   const bool good = o.iterations >= 0 && o.iterations <= 1000 && o.rejection <= Rejection::on_doubt &&
@@ -36,7 +46,8 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   FrameSolverLimits solver;
   solver.points = limits.points;
   solver.parameters = parameters;
-  solver.unknowns = at_most(limits.free_parameters, parameters) + kPoseUnknowns;
+  solver.unknowns = most_unknowns(model, limits);
+  solver.solve_memory = limits.solve_memory;
   solver.rejection_sample = limits.rejection_sample;
   solver.rejection = limits.rejection;
   lay_out_part(arena, part(&Impl::solver), solver);

@@ -11,7 +11,8 @@ constexpr const FrameSolverTuning& kTuning = kFrameSolverTuning;
 void FrameSolver::lay_out(Arena& arena, const FrameSolverLimits& limits) {
   parameters_ = limits.parameters;
   arena.count_as(Purpose::solver);
-  scratch_.lay_out(arena, limits.parameters, limits.unknowns);
+  Arena lent(limits.solve_memory.data, limits.solve_memory.count);
+  scratch_.lay_out(limits.solve_memory.empty() ? arena : lent, limits.parameters, limits.unknowns);
   variance_ = arena.take<float>(limits.unknowns);
   alternative_q_ = arena.take<float>(limits.parameters);
   arena.count_as(Purpose::points);

@@ -60,6 +60,7 @@ struct FrameSolverLimits {
   std::size_t unknowns = 0;  ///< pose and free parameters
   std::size_t rejection_sample = 0;
   const ForceRejection* rejection = nullptr;
+  Span<unsigned char> solve_memory;  ///< as EstimatorLimits::solve_memory
 };
 
 /// How the solves of a track are made.

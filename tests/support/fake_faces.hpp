@@ -41,6 +41,7 @@ struct FakeFaces {
   // What was asked of it.
   int steps = 0;  ///< of alignments
   int searches = 0, alignments = 0, held_alignments = 0, verifications = 0;
+  int refinements = 0;     ///< which are no `alignments`
   std::uint32_t work = 0;  ///< of the last search
   float roll = 0;          ///< of the last alignment
   pliant::Quat expected;   ///< rotation that the last detector was laid out for
@@ -137,6 +138,12 @@ inline Alignment& alignment() {
   return one;
 }
 
+inline bool is_black(const FrameView& frame) {
+  const std::uint8_t* const row =
+      frame.data + static_cast<std::size_t>(frame.height / 2) * frame.stride_bytes;
+  return std::all_of(row, row + frame.width, [](std::uint8_t pixel) { return pixel == 0; });
+}
+
 inline Status begin(FaceAligner&, const FrameView& frame, const FaceBox& box, const Camera& camera,
                     const AlignOptions& options, const float*, int* steps) {
   FakeFaces& f = fake();
@@ -193,14 +200,20 @@ inline Status advance(FaceAligner&, const FrameView& frame, int steps, AlignedFa
 
 inline Status refine(FaceAligner& aligner, const FrameView& frame, const Camera& camera, const Pose& start,
                      const AlignOptions& options, AlignedFace* face, float* q, Span<Vec2> landmarks) {
+  FakeFaces& f = fake();
+  ++f.refinements;
+  if (is_black(frame)) return Status::not_found;
   const View view = view_of(start, camera);
   const FaceBox near{view.c + view.s * view.tau, kFaceBoxMm * view.s};
   int steps = 0;
+  const int alignments = f.alignments, held = f.held_alignments;
   Status status = begin(aligner, frame, near, camera, options, q, &steps);
+  f.alignments = alignments;
+  f.held_alignments = held;
   if (status == Status::ok) status = advance(aligner, frame, steps, face, q, landmarks);
   if (status != Status::ok) return status;
   const View found = view_of(face->pose, camera);
-  if (length(view.s * view.tau - found.s * found.tau) > 1) lower(fake().refined_too_low_px, face, landmarks);
+  if (length(view.s * view.tau - found.s * found.tau) > 1) lower(f.refined_too_low_px, face, landmarks);
   return status;
 }
 

@@ -316,8 +316,8 @@ TEST_CASE("TrackerLimits states what second looks and the search at any roll tak
     limits.second_look = nullptr;
     return static_cast<double>(all - measured_bytes<Tracker>(model, limits));
   };
-  CHECK(of_looks(profile_s()) == doctest::Approx(78e3).epsilon(0.08));
-  CHECK(of_looks(profile_m()) == doctest::Approx(61e3).epsilon(0.08));
+  CHECK(of_looks(profile_s()) == doctest::Approx(63e3).epsilon(0.08));
+  CHECK(of_looks(profile_m()) == doctest::Approx(48e3).epsilon(0.08));
   CHECK(of_looks(profile_l()) == doctest::Approx(48e3).epsilon(0.08));
   const auto of_rolls = [&](TrackerLimits limits) {
     limits.detection = &kFaceDetection;

@@ -15,11 +15,14 @@ namespace {
 /// The estimator after frames in which the egg turns and opens its jaw.
 struct Tracked {
   Scene scene;
-  InArena<Estimator> estimator{scene.model, scene.limits};
+  InArena<Estimator> estimator;
   FrameResult result;
   std::vector<float> truth = scene.q;
 
-  explicit Tracked(const EstimatorOptions& options) { scene.start(estimator.object, 0, options); }
+  explicit Tracked(const EstimatorOptions& options, const EstimatorLimits& limits = Scene().limits)
+      : estimator(scene.model, limits) {
+    scene.start(estimator.object, 0, options);
+  }
   void frame(int k, float turn, float jaw, float noise_px = 0.1f) {
     truth[5] = jaw;
     estimator->begin(k * std::int64_t{33'000'000});
@@ -266,14 +269,16 @@ TEST_CASE(
   CHECK(estimator->mesh().vertex_count() == usual.estimator->mesh().vertex_count());
 }
 
-TEST_CASE(
-    "memory for adaptation that is too small or not aligned is refused; enough of it gives the same mesh") {
-  const Scene scene;
-  EstimatorLimits limits = scene.limits;
-  const std::size_t needed = adaptation_bytes(limits.vertices);
-  AlignedBlock adaptation(needed + 1), block(measured_bytes<Estimator>(scene.model, limits));
-  const auto create = [&](unsigned char* memory, std::size_t bytes) {
-    limits.adaptation_memory = {memory, bytes};
+namespace {
+
+/// Tries to create an estimator that borrows memory, which is too small, not aligned, or right; then `lend` has set it so.
+/// \param needed  bytes.
+template <class Lend>
+void check_borrowed(const Scene& scene, EstimatorLimits& limits, AlignedBlock& memory, std::size_t needed,
+                    const Lend& lend) {
+  AlignedBlock block(measured_bytes<Estimator>(scene.model, limits));
+  const auto create = [&](unsigned char* data, std::size_t bytes) {
+    lend(limits, {data, bytes});
     Arena arena(block.data(), block.size());
     Estimator estimator;
     const Status status = create_in(arena, estimator, scene.model, limits);
@@ -281,18 +286,55 @@ TEST_CASE(
     CHECK((arena.used_bytes() > 0) == (status == Status::ok));
     return status;
   };
-  CHECK(create(adaptation.data(), 1) == Status::bad_argument);
-  CHECK(create(adaptation.data(), needed - 1) == Status::bad_argument);
-  CHECK(create(adaptation.data() + 1, needed) == Status::bad_argument);
+  CHECK(create(memory.data(), 1) == Status::bad_argument);
+  CHECK(create(memory.data(), needed - 1) == Status::bad_argument);
+  CHECK(create(memory.data() + 1, needed) == Status::bad_argument);
   CHECK(create(nullptr, needed) == Status::bad_argument);
   CHECK(create(nullptr, 0) == Status::ok);
-  REQUIRE(create(adaptation.data(), needed) == Status::ok);
+  REQUIRE(create(memory.data(), needed) == Status::ok);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "memory for adaptation that is too small or not aligned is refused; enough of it gives the same mesh") {
+  const Scene scene;
+  EstimatorLimits limits = scene.limits;
+  const std::size_t needed = adaptation_bytes(limits.vertices);
+  AlignedBlock adaptation(needed + 1);
+  check_borrowed(scene, limits, adaptation, needed,
+                 [](EstimatorLimits& l, Span<unsigned char> m) { l.adaptation_memory = m; });
   Tracked own({});
   Scene other;
   InArena<Estimator> shared(other.model, limits);
   other.start(shared.object, 0);
   CHECK(shared->mesh().vertex_count() == own.estimator->mesh().vertex_count());
   CHECK(shared->mesh().vertex_count() > other.model.base_uv().count);
+}
+
+TEST_CASE(
+    "memory of the solves that others write to from an end to the next solve gives the same bits, and is not "
+    "taken") {
+  const Scene scene;
+  EstimatorLimits limits = scene.limits;
+  const std::size_t needed = solve_bytes(scene.model, limits),
+                    own_bytes = measured_bytes<Estimator>(scene.model, limits);
+  AlignedBlock lent(needed + 1);
+  check_borrowed(scene, limits, lent, needed,
+                 [](EstimatorLimits& l, Span<unsigned char> m) { l.solve_memory = m; });
+  CHECK(measured_bytes<Estimator>(scene.model, limits) == own_bytes - needed);
+  Tracked own({}), borrowing({}, limits);
+  for (int k = 1; k <= 4; ++k) {
+    for (Tracked* t : {&own, &borrowing})
+      t->frame(k, 0.05f * static_cast<float>(k), 0.1f * static_cast<float>(k));
+    std::fill_n(lent.data(), needed, static_cast<unsigned char>(0xA5));
+    State a, b;
+    own.estimator->save(&a);
+    borrowing.estimator->save(&b);
+    CHECK(a.pose.t.x == b.pose.t.x);
+    CHECK(a.pose_sd[kTurnY] == b.pose_sd[kTurnY]);
+    CHECK(own.result.iterations == borrowing.result.iterations);
+  }
 }
 
 }  // namespace estimator_options_test

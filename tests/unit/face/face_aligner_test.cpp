@@ -383,10 +383,6 @@ TEST_CASE("the memory is what is measured, below 150 KiB, and less of it fails c
   Bytes copy = table;
   const std::size_t bytes = measured_bytes<FaceAligner>(baked_face().model, copy.span());
   CHECK(bytes <= 150 * 1024);
-  Arena trial;
-  FaceAligner verifier;
-  verifier.lay_out_for_verification(trial, baked_face().model);
-  CHECK(trial.used_bytes() <= 60 * 1024);
   AlignedBlock block(bytes);
   for (const std::size_t less : {std::size_t{16}, bytes / 2, bytes - 16}) {
     Arena arena(block.data(), bytes - less);
