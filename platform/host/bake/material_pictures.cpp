@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iterator>
+#include <iomanip>
 #include <map>
 #include <sstream>
 
@@ -25,15 +25,22 @@ bool is_plain_file(const std::string& path) {
   return fs::is_regular_file(path, ignored);
 }
 
-/// The material files that `mtllib` lines name: one a line, with blanks in its name, or several.
+/// Words of a line. One in quotes may have blanks.
+std::vector<std::string> words_in(const std::string& line) {
+  std::istringstream in(line);
+  std::vector<std::string> words;
+  for (std::string word; in >> std::quoted(word);) words.push_back(word);
+  return words;
+}
+
+/// The material files that `mtllib` lines name: one a line, with blanks in its name, or several, which may be quoted.
 std::vector<std::string> libraries_in(const std::string& folder, const std::vector<std::string>& lines) {
   std::vector<std::string> names;
   for (std::string line : lines) {
     std::replace(line.begin(), line.end(), '\\', '/');
-    std::istringstream words(line);
-    const std::vector<std::string> each{std::istream_iterator<std::string>(words), {}};
-    const bool are_several =
-        each.size() > 1 && !is_plain_file(folder + line) && is_plain_file(folder + each[0]);
+    const std::vector<std::string> each = words_in(line);
+    const bool are_several = each.size() > 1 && !is_plain_file(folder + line) &&
+                             (line[0] == '"' || is_plain_file(folder + each[0]));
     if (are_several)
       names.insert(names.end(), each.begin(), each.end());
     else

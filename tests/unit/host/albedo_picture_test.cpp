@@ -257,6 +257,14 @@ TEST_CASE("bake tells of materials that no file has; a byte order mark and sever
   REQUIRE(both.code == 0);
   CHECK(both.err == "");
   CHECK(folder.right() == 20);
+
+  folder.put("more paints.mtl", "newmtl right\nmap_Kd \"ramp one.png\"\n");
+  folder.put("sheet.obj", sheet_obj(false, "mtllib \"paints.mtl\" \"more paints.mtl\"\n"));
+  const Ran quoted = run_words(folder.words);
+  REQUIRE(quoted.code == 0);
+  CHECK(quoted.err == "");
+  CHECK(folder.left() == 20);
+  CHECK(folder.right() > 30);
 }
 
 TEST_CASE("the picture of a GLB has the albedo where glTF looks for it") {
