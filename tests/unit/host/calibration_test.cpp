@@ -112,7 +112,9 @@ TEST_CASE("files without a calibration are refused with a message that names the
       {"flags: 0", "image_width: 640", "appears twice"},
       {"flags: 0", "fisheye_model: 1", "fisheye model, which is not supported"},
       {"flags: 0", "distortion_model: equidistant", "distortion model 'equidistant', which is not supported"},
-      {"5.0490000000000003e+02", "9e+03", "cannot be inverted"},
+      {"5.0490000000000003e+02", "9e+03", "fy / fx = 17.6"},
+      {"5.0490000000000003e+02", "2.5e+02", "fy / fx = 0.49"},
+      {"-2.5e-01", "-2.5", "cannot be inverted"},
   };
   for (const auto& c : cases) {
     CAPTURE(c.to);
