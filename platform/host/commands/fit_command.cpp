@@ -215,8 +215,7 @@ FitSetup fit_setup(const Args& args, const Model& model, const ImageSize& size, 
 
 void print_summary(const FitFile& fit, const std::string& output, std::ostream& out) {
   out << output << ": " << fit.inliers << " of " << fit.points.size() << " points, rms "
-      << number_text(static_cast<double>(fit.rms_px)) << " px, f "
-      << number_text(static_cast<double>(fit.camera.f)) << " px";
+      << short_text(fit.rms_px) << " px, f " << short_text(fit.camera.f) << " px";
   if (fit.landmark_error > 0)
     out << ", expected landmark error " << decimal_text(static_cast<double>(fit.landmark_error))
         << " of the distance of the outer eye corners";

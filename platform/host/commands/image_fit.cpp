@@ -114,7 +114,10 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   const std::vector<float> sd(fitter->sd(), fitter->sd() + q.size());
 
   FitFile fit = fit_of_view(model, setup.size, report.view, q);
-  if (setup.camera) fit.camera = *setup.camera;
+  if (setup.camera)
+    fit.camera = *setup.camera;
+  else if (setup.focal_px > 0)
+    fit.camera.f = setup.focal_px;  // of the view the quotient is rounded
   fit.sd = by_name(model, sd);
   fit.unseen.clear();
   for (std::size_t k = 0; k < sd.size(); ++k)
@@ -174,7 +177,7 @@ void set_camera(float focal_px, const std::optional<Camera>& camera, FitFile* fi
   if (camera)
     fit->camera = *camera;
   else
-    fit->camera.f = camera_of(view).f;
+    fit->camera.f = focal_px;
 }
 
 FitFile fit_in(const std::string& path, const std::string& text, const ModelFile& file, const ImageSize& size,
@@ -230,7 +233,7 @@ FitFile fit_to_box(const ModelFile& file, const GivenBox& box, const FitSetup& s
   require(status, file.path() + ": box");
   if (face != nullptr) *face = found;
   FitFile fit = fit_of_view(file.model(), setup.size, view_of(start.pose, start.camera), q);
-  if (setup.camera) fit.camera = start.camera;
+  fit.camera = start.camera;
   return fit;
 }
 

@@ -73,6 +73,19 @@ TEST_CASE("fit.json keeps every bit, and errors in it are named") {
   CHECK(contains(complaint("\"dx\"", "\"dz\""), "'dx'"));
 }
 
+TEST_CASE("fit.json has the focal length that is given, to the last bit") {
+  const Sequence s;
+  for (const std::vector<std::string>& how :
+       {std::vector<std::string>{"--points", s.points}, std::vector<std::string>{"--box", "60,40,80,80"}})
+    for (const std::string focal : {"300", "330", "333.3", "417.25"}) {
+      CAPTURE(focal);
+      std::vector<std::string> words{"fit", s.model, "--size", "200x160", "--focal", focal, "-o", s / "f.json"};
+      words.insert(words.end(), how.begin(), how.end());
+      CHECK(contains(run_words(words).out, ", f " + focal + " px\n"));
+      CHECK(parse_fit("f", read_file(s / "f.json")).camera.f == std::stof(focal));
+    }
+}
+
 TEST_CASE("text that is not JSON is refused with line and column, at any depth of nesting") {
   const struct {
     const char* text;
