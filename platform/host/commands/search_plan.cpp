@@ -68,7 +68,8 @@ void divide_search(const TrackerLimits& limits, TurnedSize frame, std::uint32_t 
   }
   plan->search_frames = std::max(plan->search_frames, frames);
   plan->all_cells = std::max(plan->all_cells, all);
-  plan->cells = std::min(plan->all_cells, work - 1 + most->widest_row);
+  const std::uint64_t begun = std::uint64_t{work} - 1 + most->widest_row;
+  plan->cells = static_cast<std::uint32_t>(std::min<std::uint64_t>(plan->all_cells, begun));
 }
 
 /// The frame as it is, and at all its turns where faces are searched at any roll.
@@ -78,17 +79,18 @@ SearchExtremes divide_searches(const TrackerLimits& limits, std::uint32_t work, 
   divide_search(limits, turned_size(width, height, 0), work, &most, plan);
   if (limits.detection->modules != &kRolledFaces) return most;
   for (const int turn : {1, 2}) divide_search(limits, turned_size(width, height, turn), work, &most, plan);
-  plan->turned_pixels = static_cast<std::uint32_t>(width) * static_cast<std::uint32_t>(height);
+  plan->turned_pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
   return most;
 }
 
 /// Each alignment begins with a search near its candidate, and the search goes on after rows that it had already.
 void add_near_cells(const SearchExtremes& most, SearchPlan* plan) {
-  const int alignments = (plan->steps + plan->alignment_steps - 1) / plan->alignment_steps;
+  const auto alignments =
+      static_cast<std::uint64_t>((plan->steps + plan->alignment_steps - 1) / plan->alignment_steps);
   const std::uint32_t rows_again = kWindowCells - 1;
-  plan->near_cells = static_cast<std::uint32_t>(alignments) * most.near_cells + rows_again * most.widest_row;
-  plan->near_area = alignments * most.near_area + rows_again * most.row_area;
-  plan->turned_pixels *= static_cast<std::uint32_t>(1 + alignments);
+  plan->near_cells = alignments * most.near_cells + rows_again * most.widest_row;
+  plan->near_area = static_cast<double>(alignments) * most.near_area + rows_again * most.row_area;
+  plan->turned_pixels *= 1 + alignments;
 }
 
 /// Frames of an alignment that begins in a frame of its own.

@@ -12,11 +12,11 @@ namespace pliant::host {
 /// Bounds of the frames without a track, where the model has learnt tables and the limits name detection; else 0.
 struct SearchPlan {
   std::uint32_t cells = 0;       ///< of one frame's search, at most: the limit, and the rest of a row
-  std::uint32_t near_cells = 0;  ///< near the candidates of a search of several frames, at most in one frame
+  std::uint64_t near_cells = 0;  ///< near the candidates of a search of several frames, at most in one frame
   double near_area = 0;          ///< as cell_area
   std::uint32_t all_cells = 0;   ///< of the search of the whole frame
   double cell_area = 0;          ///< of the cells of one frame, at most, in cells of its full size
-  std::uint32_t turned_pixels = 0;  ///< drawn in one frame, at most; 0: only upright frames are searched
+  std::uint64_t turned_pixels = 0;  ///< drawn in one frame, at most; 0: only upright frames are searched
   int search_frames = 0;         ///< that it takes, at most
   int steps = 0;                 ///< of one frame's alignments, at most
   int alignment_steps = 0;       ///< of an alignment

@@ -342,6 +342,27 @@ TEST_CASE(
   CHECK(cells_of(320, 240, 1000000) < 30000);  // a whole search
 }
 
+TEST_CASE("a frame may search as much as can be said, and its bounds do not overflow") {
+  const host::ModelFile file{PLIANT_DETECTING_FACE};
+  TrackerLimits limits;
+  limits.search_work = 0xFFFFFFFF;
+  const SearchPlan all = make_plan(file.model(), limits).search;
+  CHECK(all.cells == all.all_cells);
+  CHECK(all.search_frames == 1);
+  limits.detection = &kFaceDetection;
+  limits.width = limits.height = 8192;
+  SearchPlan less;
+  for (const std::uint32_t work : {1'000'000u, 3'000'000u, 9'000'000u}) {
+    limits.search_work = work;
+    const SearchPlan plan = make_plan(file.model(), limits).search;
+    CAPTURE(plan.all_cells);
+    REQUIRE(plan.search_frames > 1);
+    CHECK(plan.turned_pixels > less.turned_pixels);
+    CHECK(plan.near_cells > less.near_cells);
+    less = plan;
+  }
+}
+
 TEST_CASE("the plan bounds the frames of a search for a print, in a picture full of corners too") {
   PrintTable table;
   REQUIRE(PrintTable::open(host::sheet().print(), &table) == Status::ok);
