@@ -19,6 +19,15 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
+/// Reads a line without its end, which is a line feed, a carriage return, or both. False at the end of the file.
+bool read_line(std::istream& in, std::string& line) {
+  line.clear();
+  char c = 0;
+  while (in.get(c) && c != '\n' && c != '\r') line += c;
+  if (in && c == '\r' && in.peek() == '\n') in.get();
+  return in || !line.empty();
+}
+
 bool is_open(const std::vector<std::string>& columns) {
   const std::string& last = columns.back();
   return last.size() > 3 && last.compare(last.size() - 3, 3, "...") == 0;
@@ -32,7 +41,7 @@ TextTable::TextTable(const std::string& path, const std::vector<std::string>& co
   if (!in) throw SourceError(path, 0, "cannot be read");
   bool have_header = false;
   int number = 0;
-  for (std::string line; std::getline(in, line);) {
+  for (std::string line; read_line(in, line);) {
     if (number == 0) line = without_byte_order_mark(line);
     TextRow row{++number, words_of(line)};
     if (row.cells.empty()) continue;

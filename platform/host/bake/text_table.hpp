@@ -1,7 +1,7 @@
 #pragma once
 /// \file text_table.hpp
 /// Reads text tables: words separated by blanks. '#' starts a comment. The first line that is not empty names the columns. A
-/// last column named "NAME..." takes all further words of its line.
+/// last column named "NAME..." takes all further words of its line. Lines end with a line feed, a carriage return, or both.
 #include <string>
 #include <vector>
 

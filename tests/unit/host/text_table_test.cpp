@@ -52,6 +52,8 @@ TEST_CASE("each defect of a text table is one line that names the file and the l
   };
   CHECK(error("name x\na 1\n") == "");
   CHECK(error("\xef\xbb\xbfname x\r\na 1\r\n") == "");
+  CHECK(error("# a comment\rname x\ra 1\r") == "");  // a carriage return alone ends lines, too
+  CHECK(error("name x\r\ra 1\r\nb\r") == path + ":4: no value for column 'x'");
   CHECK(error("") == path + ": has no table");
   CHECK(error("name\na 1\n") == path + ":1: expected a column 'x'");
   CHECK(error("name,x\na,1\n") ==
