@@ -95,8 +95,9 @@ class ObjReader {
       const float x = number(), y = number(), z = number();
       mesh_.vertices.push_back({x, y, z});
     } else if (key == "vt") {
-      const float u = number(), v = number();
-      mesh_.texture.push_back({u, v});
+      const float u = number();
+      const bool has_v = rest_.find_first_not_of(" \t") < rest_.find('#');
+      mesh_.texture.push_back({u, has_v ? number() : 0});
     } else if (key == "f") {
       read_polygon();
     } else if (key == "usemtl") {
