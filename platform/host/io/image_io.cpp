@@ -66,18 +66,19 @@ Image image_in(const std::string& path, const std::string& bytes) {
     fail_input(path, "is not a picture that is read (PNG, JPEG, PGM, PPM): " + reason());
   if (width > 16384 || height > 16384) fail_input(path, "is larger than 16384 pixels on a side");
   if (std::int64_t{width} * height > kMostPixels) fail_input(path, "has more than 100 million pixels");
-  // stb takes every value of such a picture as one of 255, and reads past the end where values have more than 8 bits.
-  const bool is_pnm = bytes[0] == 'P';
-  std::string wrong;
-  const int largest = is_pnm ? pnm_maximum(bytes, wrong) : 255;
-  if (!wrong.empty()) fail_input(path, wrong);
+  // stb takes every value of such a picture as one of 255, reads past the end where values have more than 8 bits, and takes a
+  // comment behind the largest value for pixels.
+  if (bytes[0] == 'P') {
+    std::string wrong;
+    Image picture = pnm_in(bytes, wrong);
+    if (!wrong.empty()) fail_input(path, wrong);
+    return picture;
+  }
   unsigned char* pixels = stbi_load_from_memory(data, length, &width, &height, &channels, 3);
   if (pixels == nullptr) fail_input(path, "a damaged picture: " + reason());
   Image image(width, height, 3);
   image.pixels.assign(pixels, pixels + image.pixels.size());
   stbi_image_free(pixels);
-  if (largest < 255)
-    for (std::uint8_t& value : image.pixels) value = stretched(value, largest);
   return upright(image, jpeg_orientation(bytes));
 }
 

@@ -31,7 +31,20 @@ int skip_to_token(std::FILE* f) {
   return c;
 }
 
-// Reads a number and the character after it; -1 if there is none or it is too large.
+// The end of a comment that begins directly behind a number: its line's end does not separate the two, white space behind it does
+// (the specification). Many programs take the line's end for that; so do we where no white space is.
+int skip_comments(std::FILE* f, int c) {
+  while (c == '#') {
+    while (c != '\n' && c != '\r' && c != EOF) c = std::fgetc(f);
+    if (c == EOF) return EOF;
+    c = std::fgetc(f);
+  }
+  if (std::isspace(c) != 0) return c;
+  std::ungetc(c, f);
+  return '\n';
+}
+
+// Reads a number and the white space after it; -1 if there is none or it is too large.
 int read_number(std::FILE* f) {
   int c = skip_to_token(f), value = 0;
   if (std::isdigit(c) == 0) return -1;
@@ -39,12 +52,8 @@ int read_number(std::FILE* f) {
     value = 10 * value + (c - '0');
     if (value > 1000000) return -1;
   }
-  // A comment may follow directly; the line's end then ends the number.
-  while (c == '#' || (c != '\n' && c != EOF && std::isspace(c) == 0)) {
-    if (c != '#') return -1;
-    while (c != '\n' && c != EOF) c = std::fgetc(f);
-  }
-  return value;
+  if (c == '#') c = skip_comments(f, c);
+  return c == EOF || std::isspace(c) != 0 ? value : -1;
 }
 
 // Returns the error; empty on success.
@@ -67,13 +76,14 @@ std::string read_header(std::FILE* f, Header& h) {
   return {};
 }
 
-std::size_t bytes_of(const Header& h) {
-  return static_cast<std::size_t>(h.width) * static_cast<std::size_t>(h.height) *
-         static_cast<std::size_t>(h.channels);
-}
-
 std::string early(std::size_t missing) {
   return "ends " + std::to_string(missing) + " bytes early";
+}
+
+// A value of a picture with this largest one, as one of 255.
+std::uint8_t stretched(int value, int maximum) {
+  const int v = value > maximum ? maximum : value;
+  return static_cast<std::uint8_t>((v * 255 + maximum / 2) / maximum);
 }
 
 // One row of samples, as luma.
@@ -84,21 +94,46 @@ void to_luma(const std::uint8_t* row, const Header& h, std::uint8_t* out) {
   }
 }
 
-}  // namespace
-
-std::uint8_t stretched(int value, int maximum) {
-  const int v = value > maximum ? maximum : value;
-  return static_cast<std::uint8_t>((v * 255 + maximum / 2) / maximum);
+// Returns the error; empty on success.
+std::string read_picture(std::FILE* f, LumaPicture& picture, Status& status) {
+  status = Status::io_error;
+  Header h;
+  if (const std::string wrong = read_header(f, h); !wrong.empty()) return wrong;
+  const auto width = static_cast<std::size_t>(h.width),
+             row_bytes = width * static_cast<std::size_t>(h.channels);
+  std::vector<std::uint8_t> row(row_bytes), pixels, colour;
+  for (int y = 0; y < h.height; ++y) {
+    const std::size_t got = std::fread(row.data(), 1, row_bytes, f);
+    if (got < row_bytes) {
+      status = Status::truncated;
+      return early(row_bytes * static_cast<std::size_t>(h.height - y) - got);
+    }
+    pixels.resize(pixels.size() + width);
+    to_luma(row.data(), h, pixels.data() + pixels.size() - width);
+    for (std::size_t k = 0; h.channels == 3 && k < row_bytes; ++k)
+      colour.push_back(stretched(row[k], h.maximum));
+  }
+  status = Status::ok;
+  picture = {h.width, h.height, std::move(pixels), {}};
+  if (h.channels != 3) return {};
+  picture.colour.width = h.width;
+  picture.colour.height = h.height;
+  picture.colour.channels = h.channels;
+  picture.colour.pixels = std::move(colour);
+  return {};
 }
 
-int pnm_maximum(const std::string& bytes, std::string& message) {
+}  // namespace
+
+Image pnm_in(const std::string& bytes, std::string& message) {
   const File file(::fmemopen(const_cast<char*>(bytes.data()), bytes.size(), "rb"));
-  Header h;
-  message = file ? read_header(file.get(), h) : "not a PGM or PPM picture";
-  if (!message.empty()) return h.maximum;
-  const std::size_t have = bytes.size() - static_cast<std::size_t>(std::ftell(file.get()));
-  if (have < bytes_of(h)) message = early(bytes_of(h) - have);
-  return h.maximum;
+  LumaPicture picture;
+  Status status;
+  message = file ? read_picture(file.get(), picture, status) : "not a PGM or PPM picture";
+  if (!message.empty() || !picture.colour.pixels.empty()) return picture.colour;
+  Image grey(picture.width, picture.height, 1);
+  grey.pixels = std::move(picture.pixels);
+  return to_colour(grey);
 }
 
 Status read_pnm(const std::string& path, LumaPicture& picture, std::string& message) {
@@ -107,32 +142,10 @@ Status read_pnm(const std::string& path, LumaPicture& picture, std::string& mess
     message = path + ": " + std::strerror(errno);
     return Status::io_error;
   }
-  Header h;
-  if (const std::string wrong = read_header(file.get(), h); !wrong.empty()) {
-    message = path + ": " + wrong;
-    return Status::io_error;
-  }
-  const auto width = static_cast<std::size_t>(h.width),
-             row_bytes = width * static_cast<std::size_t>(h.channels);
-  std::vector<std::uint8_t> row(row_bytes), pixels, colour;
-  for (int y = 0; y < h.height; ++y) {
-    const std::size_t got = std::fread(row.data(), 1, row_bytes, file.get());
-    if (got < row_bytes) {
-      message = path + ": " + early(row_bytes * static_cast<std::size_t>(h.height - y) - got);
-      return Status::truncated;
-    }
-    pixels.resize(pixels.size() + width);
-    to_luma(row.data(), h, pixels.data() + pixels.size() - width);
-    for (std::size_t k = 0; h.channels == 3 && k < row_bytes; ++k)
-      colour.push_back(stretched(row[k], h.maximum));
-  }
-  picture = {h.width, h.height, std::move(pixels), {}};
-  if (h.channels != 3) return Status::ok;
-  picture.colour.width = h.width;
-  picture.colour.height = h.height;
-  picture.colour.channels = h.channels;
-  picture.colour.pixels = std::move(colour);
-  return Status::ok;
+  Status status;
+  const std::string wrong = read_picture(file.get(), picture, status);
+  if (status != Status::ok) message = path + ": " + wrong;
+  return status;
 }
 
 }  // namespace pliant::host

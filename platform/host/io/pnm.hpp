@@ -20,10 +20,7 @@ struct LumaPicture {
 /// error.
 Status read_pnm(const std::string& path, LumaPicture& picture, std::string& message);
 
-/// The largest value that the header of such a picture tells. For any other, and for one that is cut off, `message` says what is
-/// wrong.
-int pnm_maximum(const std::string& bytes, std::string& message);
-/// A value of a picture with this largest one, as one of 255.
-std::uint8_t stretched(int value, int maximum);
+/// The picture in the bytes of such a file, in three channels, also one of grey. Otherwise `message` says what is wrong.
+Image pnm_in(const std::string& bytes, std::string& message);
 
 }  // namespace pliant::host

@@ -145,6 +145,26 @@ TEST_CASE("colour becomes luma by the weights of BT.601, and a smaller maximum i
   CHECK(image.pixels == std::vector<std::uint8_t>{0, 0, 0, 255, 255, 255, 128, 128, 128, 255, 255, 255});
 }
 
+TEST_CASE("comments end a header as the specification of PNM says, at a carriage return, too") {
+  const Folder folder;
+  const auto pixels_of = [&](const std::string& header) {
+    const std::string path = folder.write("c.pgm", header + "abcdef");
+    const Run run = read_all(path);
+    REQUIRE(run.frames.size() == 1);
+    const Image grey = host::to_grey(host::read_image(path));
+    CHECK(std::string(grey.pixels.begin(), grey.pixels.end()) == run.frames[0]);
+    return run.frames[0];
+  };
+  for (const std::string header :
+       {"P5 3 2 255\n", "P5 3 2#w\r255\n", "P5#c\r3#w\r2#w\n255\r", "P5 3 2 255# of all\n\n", "P5 3 2 255#1\r#2\n ",
+        // Not so written in the specification, but by programs.
+        "P5 3 2 255#c\n", "P5 3 2 255#c\r"}) {
+    CAPTURE(header);
+    CHECK(pixels_of(header) == "abcdef");
+  }
+  CHECK(pixels_of("P5 3 2 255 #").substr(0, 2) == "#a");  // the white space has ended the header
+}
+
 TEST_CASE("a picture that is cut off is none, whoever reads it") {
   const Folder folder;
   const std::string whole = "P6 4 1 255\n" + std::string(12, 'x');
