@@ -78,7 +78,8 @@ pliant_status pliant_start_from_box(pliant_tracker *tracker, const pliant_frame 
                                     float height, const pliant_start_options *options);
 
 /** Starts from a state that pliant_save wrote, of the same model.
- *  \return as pliant_start_from_pose; PLIANT_BAD_ARGUMENT also for counts that are not the model's. */
+ *  \return as pliant_start_from_pose; PLIANT_BAD_ARGUMENT also for counts that are not the model's, and for offsets beyond
+ *          10^7 mm. */
 pliant_status pliant_start_from_state(pliant_tracker *tracker, const pliant_frame *frame, const pliant_state *state);
 
 /** Writes the state of the last frame; if that is lost, the last one that was not. The caller sets arrays and counts.

@@ -92,7 +92,8 @@ class Tracker {
   /// Starts from what `save` wrote. Without landmark offsets (count 0) landmarks are where the model has them. Where limits have
   /// second looks and there are no markers, the face, which may have moved a little, is aligned in the frame, as the state's person
   /// with its offsets. Else the frame must show it where it was saved.
-  /// \return bad_argument (arrays of another size than the model's), and the statuses of start_from_pose.
+  /// \return bad_argument (arrays of another size than the model's, an offset beyond 10^7 mm), and the statuses of
+  ///         start_from_pose.
   Status start_from_state(const FrameView& frame, const SavedState& state, const TrackerOptions& options = {},
                           Span<const Vec2> markers = {});
   /// Copies the state of the last frame; while lost, that of the last good frame. The caller gives the arrays;

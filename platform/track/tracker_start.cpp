@@ -25,6 +25,11 @@ bool is_near(Vec2 x) {
   return magnitude(x.x) <= kFarthestPx && magnitude(x.y) <= kFarthestPx;
 }
 
+/// Whether an offset is no longer than a pose's may be (is_possible, camera.hpp), mm. Not so for NaN.
+bool is_near(const Vec3& offset) {
+  return dot(offset, offset) <= kLargestFocalPx * kLargestFocalPx;
+}
+
 /// Whether a focal length is 0, unknown, or one that a camera can have (is_possible, camera.hpp), px.
 bool is_focal_length(float px) {
   return px >= 0 && px <= kLargestFocalPx;
@@ -283,7 +288,7 @@ Status Tracker::start_from_state(const FrameView& frame, const SavedState& state
   if (impl_ == nullptr) return Status::not_started;
   if (!impl_->fits_model(state)) return Status::bad_argument;
   for (const Vec3& offset : state.landmark_offsets)
-    if (!is_finite(offset)) return Status::bad_argument;
+    if (!is_near(offset)) return Status::bad_argument;
   const Status status =
       start_from_pose(frame, state.camera, state.pose, state.parameters.data, options, markers);
   if (status != Status::ok) return status;

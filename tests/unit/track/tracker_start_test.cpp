@@ -225,6 +225,13 @@ TEST_CASE("wrong arguments of a start change nothing; a start that fails later l
   state.pose = film().poses[0];
   state.parameters = {q.data(), q.size()};
   CHECK(t.start_from_state(frame, state) == Status::bad_argument);
+  q.back() = 0;
+  for (const Vec3& bad : {Vec3{nan, 0, 0}, {0, -1e30f, 0}, {0, 0, 1.001e7f}}) {
+    std::vector<Vec3> offsets(baked_face().model.landmarks().count);
+    offsets.back() = bad;
+    state.landmark_offsets = {offsets.data(), offsets.size()};
+    CHECK(t.start_from_state(frame, state) == Status::bad_argument);
+  }
   Vec2 x;
   float value;
   CHECK(t.landmark("third eye", &x) == Status::not_found);
