@@ -63,6 +63,7 @@ FitFile start_of(const Args& args, const std::optional<std::string>& text, const
   setup.focal_px = focal_of(args, setup.size, err);
   setup.camera = calibration_of(args, setup.size, err);
   const auto start = args.text("--start");
+  if (args.has("--box-of") && !(start && is_box(*start))) fail_usage("--box-of needs a box as --start");
   if (start && is_box(*start)) return fit_to_box(file, *box_of(args, "--start"), setup);
   if (start) {
     FitFile fit = fit_in(*start, *text, file, setup.size, path, setup.focal_px, setup.camera);
@@ -269,8 +270,8 @@ Command points_command() {
       "Writes a page with the model over a picture, with handles at its landmarks, or at points of its chart "
       "as well if it has fewer than four. They can be moved, switched off and saved; the model follows those "
       "that are moved.",
-      "face.plm (--image picture | --frames VIDEO|FOLDER) [--start fit.json|points.csv|X,Y,W,H] [--focal "
-      "PX|--calibration camera.yml] "
+      "face.plm (--image picture | --frames VIDEO|FOLDER) [--start fit.json|points.csv|X,Y,W,H] "
+      "[--box-of WHOSE] [--focal PX|--calibration camera.yml] "
       "-o points.html",
       {{"--image", "FILE", "the photograph; the page contains it", Takes::input},
        {"--frames", "VIDEO",
@@ -281,6 +282,9 @@ Command points_command() {
         "a fit.json, a points.csv (which is fitted) or a face box (default: the face that is found, else the "
         "middle)",
         Takes::input},
+       {"--box-of", "WHOSE",
+        "of a face box: pliant (default), as pliant detect writes it; opencv: the square of its cascades; landmarks: brows to "
+        "chin, ear to ear"},
        {"--focal", "PX", "focal length, pixels, if known"},
        {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them", Takes::input},
        {"-o", "HTML", "the page to write; it needs no network", Takes::output}},

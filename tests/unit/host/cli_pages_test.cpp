@@ -178,6 +178,29 @@ TEST_CASE("given points keep their positions, and only they are switched on") {
   }
 }
 
+TEST_CASE("the box of a start is that of pliant detect, or of whom --box-of names, as fit has it") {
+  const Folder s;
+  const std::string face = PLIANT_BAKED_FACE;
+  const std::string picture = s.put("g.pgm", grey_pgm(200, 160)), box = "20,10,120,130";
+  const auto eyes_px = [&](const std::string& start, const std::vector<std::string>& whose) {
+    std::vector<std::string> words{"points", face, "--image", picture, "-o", s / "p.html", "--start", start};
+    words.insert(words.end(), whose.begin(), whose.end());
+    REQUIRE(run_words(words).code == 0);
+    const Json data = data_of(read_file(s / "p.html"));
+    return number(point(data, "eye_left"), "x") - number(point(data, "eye_right"), "x");
+  };
+  REQUIRE(run_words({"fit", face, "--box", box, "--box-of", "landmarks", "--size", "200x160", "-o", s / "f.json"})
+              .code == 0);
+  const double of_landmarks = eyes_px(box, {"--box-of", "landmarks"});
+  CHECK(of_landmarks == doctest::Approx(eyes_px(s / "f.json", {})));
+  CHECK(of_landmarks > 1.05 * eyes_px(box, {}));
+  CHECK(eyes_px(box, {"--box-of", "pliant"}) == eyes_px(box, {}));
+  const Ran r = run_words({"points", face, "--image", picture, "--start", s / "f.json", "--box-of", "landmarks", "-o",
+                           s / "x.html"});
+  CHECK(r.code == 2);
+  CHECK(contains(r.err, "--box-of needs a box"));
+}
+
 TEST_CASE("given points of the chart are on the page under their own names") {
   const Folder f;
   const std::string picture = f.put("g.pgm", grey_pgm(320, 240)), table = f / "m.plm";
