@@ -73,7 +73,8 @@ constexpr int most_texture_side(int size) {
 }
 
 /// Bakes a source that is in memory, and opens the table to check it. A source without a base mesh gets one. Throws
-/// SourceError when no base mesh of at most 9000 vertices follows the surface's boundary, when the table cannot be opened (two
+/// SourceError when no base mesh of at most 9000 vertices follows the surface's boundary, when the source's own has triangles whose
+/// corners do not run counter-clockwise seen from outside, when the table cannot be opened (two
 /// parameters with one name, more of something than a table may hold), or when its rest shape is no copy of the surface.
 std::vector<std::uint8_t> bake_source(const Source& source, const BakeOptions& options,
                                       BakeReport* report = nullptr);

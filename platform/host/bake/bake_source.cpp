@@ -4,6 +4,7 @@
 #include "host/bake/at.hpp"
 #include "host/bake/bake.hpp"
 #include "host/bake/base_mesh.hpp"
+#include "host/bake/chart_raster.hpp"
 #include "host/bake/opened_table.hpp"
 #include "host/bake/print_keypoints.hpp"
 #include "host/bake/shape_grids.hpp"
@@ -53,6 +54,7 @@ class Baker {
     const OpenedTable opened(bytes);
     if (opened.status() != Status::ok)
       fail(std::string("makes a table that cannot be opened: ") + text(opened.status()));
+    if (!source_.base_corners.empty()) check_winding(opened.model());
     report_.errors = reconstruct(opened.model(), source_);
     check_rest_shape();
     if (source_.has_print) {
@@ -69,6 +71,17 @@ class Baker {
 
  private:
   [[noreturn]] void fail(const std::string& what) const { throw SourceError(options_.source, 0, what); }
+
+  void check_winding(const Model& model) const {
+    const Span<const Vec2> uv = model.base_uv();
+    const Span<const std::uint16_t> corners = model.base_corners();
+    std::vector<std::array<int, 3>> triangles;
+    for (std::size_t k = 0; k < corners.count; k += 3)
+      triangles.push_back({corners[k], corners[k + 1], corners[k + 2]});
+    for (const float area : chart_areas({uv.begin(), uv.end()}, triangles))
+      if (!(area < 0))
+        fail("has a base mesh with a triangle that has no area, or whose corners run clockwise seen from outside");
+  }
 
   void check_rest_shape() const {
     const Distances& off = report_.errors.rest;

@@ -184,6 +184,15 @@ TEST_CASE("a table that could not be opened is refused") {
   CHECK_THROWS_AS(bake_source(outside, {}), SourceError);
 }
 
+TEST_CASE("a base mesh of the source whose corners run the wrong way is refused") {
+  Source source = sheet(9, dome);
+  CHECK_NOTHROW((void)bake_source(source, {}));
+  for (const std::vector<std::uint16_t>& corners : {std::vector<std::uint16_t>{0, 2, 1, 2, 0, 3}, {2, 0, 1, 2, 0, 3}}) {
+    source.base_corners = corners;
+    CHECK_THROWS_WITH_AS((void)bake_source(source, {}), doctest::Contains("corners run clockwise"), SourceError);
+  }
+}
+
 TEST_CASE("the array of a file has the file's name, unless that is no name in C and C++") {
   CHECK(array_name("face.cpp") == "face");
   CHECK(array_name("some.where/my-face.v2.cpp") == "my_face");
