@@ -47,7 +47,8 @@ pliant_status pliant_create(void *memory, size_t bytes, const void *table, size_
 /** Ends the track, if there is one, and forgets the person: the next pliant_update searches for the face or print. A
  *  new tracker does so by itself, if its table has learnt tables (pliant learn) or a print. The next frame may have any
  *  time.
- *  \param options  null: nothing is known. \return PLIANT_NOT_FOUND: the table has neither, or the frames are too large. */
+ *  \param options  null: nothing is known. \return PLIANT_NOT_FOUND: the table has neither, the frames are too large, or
+ *                  the limits leave detection out. */
 pliant_status pliant_start_by_detection(pliant_tracker *tracker, const pliant_start_options *options);
 
 /** Starts from a known pose. The frame of a start is frame 0; templates are captured in it. Cost: several updates.

@@ -58,7 +58,12 @@ typedef struct pliant_limits {
   uint16_t profile;                     /**< 'S', 'M' or 'L': every other limit is as there */
   uint16_t smallest_face_px;            /**< side of the smallest face that is searched for, px; below 48 counts as 48 */
   uint32_t search_work; /**< of one frame without a track, cells of the search: 24,000 search 320 x 240 at once */
+  uint32_t leaves_out;  /**< sum of PLIANT_NO_DETECTION and PLIANT_NO_PERSON; 0: what the profile has */
 } pliant_limits;
+
+/** Parts that a tracker may leave out: what finds faces and prints, and looks again while one is tracked; the estimation of the
+ *  person's identity. They take no memory then, but their code is linked. */
+enum { PLIANT_NO_DETECTION = 1, PLIANT_NO_PERSON = 2 };
 
 /** A luma image of 8 bits per pixel, read during the call only. Row y, column x is
  *  pixels[y * stride_bytes + x * pixel_step_bytes]. */
@@ -137,7 +142,7 @@ typedef struct pliant_result {
 #else
 #define PLIANT_HAS_SIZE(type, bytes) extern const char type##_has_its_size[sizeof(type) == (bytes) ? 1 : -1]
 #endif
-PLIANT_HAS_SIZE(pliant_limits, 24);
+PLIANT_HAS_SIZE(pliant_limits, 28);
 PLIANT_HAS_SIZE(pliant_frame, 2 * sizeof(void *) + 24);
 PLIANT_HAS_SIZE(pliant_camera, 24);
 PLIANT_HAS_SIZE(pliant_pose, 28);

@@ -136,6 +136,10 @@ Status open(const void* table, std::size_t table_bytes, const pliant_limits* fro
   limits->start_points = from->start_points;
   limits->smallest_face_px = from->smallest_face_px;
   limits->search_work = from->search_work;
+  // As without_detection and without_person, which copy all limits.
+  if (from->leaves_out > (PLIANT_NO_DETECTION | PLIANT_NO_PERSON)) return Status::bad_argument;
+  if ((from->leaves_out & PLIANT_NO_DETECTION) != 0) limits->detection = nullptr, limits->second_look = nullptr;
+  if ((from->leaves_out & PLIANT_NO_PERSON) != 0) limits->person = nullptr;
   const Status status = check(*limits);
   return status == Status::ok ? Model::open(table, table_bytes, model) : status;
 }
@@ -172,7 +176,7 @@ pliant_limits pliant_profile(char name) {
   if (!is_profile(profile)) return {};
   const TrackerLimits l = profile_named(profile);
   return {l.width,    l.height,       l.region_width, l.region_height,    l.patches,    l.key_patches,
-          l.vertices, l.start_points, profile,        l.smallest_face_px, l.search_work};
+          l.vertices, l.start_points, profile,        l.smallest_face_px, l.search_work, 0};
 }
 
 pliant_status pliant_required_bytes(const void* table, size_t table_bytes, const pliant_limits* limits,

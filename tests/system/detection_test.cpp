@@ -308,6 +308,36 @@ TEST_CASE("a search and what learnt tables tell of a face are the same in C: eve
   CHECK(run.tracker->track_number() >= 2);
 }
 
+TEST_CASE("what limits in C leave out is what without_detection and without_person leave out") {
+  const host::MappedFile table(PLIANT_DETECTING_FACE);
+  const auto required = [&](const pliant_limits& limits) {
+    std::size_t bytes = 0;
+    REQUIRE(pliant_required_bytes(table.data(), table.size_bytes(), &limits, &bytes) == PLIANT_OK);
+    return bytes;
+  };
+  const std::size_t handle =
+      required(pliant_profile('M')) - measured_bytes<Tracker>(face().model(), profile_m());
+  for (const std::uint32_t leaves_out : {0u, 1u, 2u, 3u}) {
+    CAPTURE(leaves_out);
+    pliant_limits limits = pliant_profile('M');
+    TrackerLimits own = profile_m();
+    limits.leaves_out = leaves_out;
+    if ((leaves_out & PLIANT_NO_DETECTION) != 0) own = without_detection(own);
+    if ((leaves_out & PLIANT_NO_PERSON) != 0) own = without_person(own);
+    const std::size_t bytes = required(limits);
+    CHECK(bytes == measured_bytes<Tracker>(face().model(), own) + handle);
+    AlignedBlock block(bytes);
+    pliant_tracker* t = nullptr;
+    REQUIRE(pliant_create(block.data(), bytes, table.data(), table.size_bytes(), &limits, &t) == PLIANT_OK);
+    const bool detects = (leaves_out & PLIANT_NO_DETECTION) == 0;
+    const std::vector<std::uint8_t> grey(320 * 240, 100);
+    const pliant_frame frame{grey.data(), 320, 0, 320, 240, 1, 0};
+    pliant_result result;
+    CHECK(pliant_start_by_detection(t, nullptr) == (detects ? PLIANT_OK : PLIANT_NOT_FOUND));
+    CHECK(pliant_update(t, &frame, &result) == (detects ? PLIANT_OK : PLIANT_NOT_STARTED));
+  }
+}
+
 TEST_CASE("TrackerLimits states what second looks and the search at any roll take of each profile") {
   const Model& model = face().model();
   const auto of_looks = [&](TrackerLimits limits) {

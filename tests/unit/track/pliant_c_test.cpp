@@ -117,6 +117,7 @@ TEST_CASE("limits that no tracker can be made for are refused") {
   CHECK(refused([](pliant_limits& l) { l.key_patches = 1; }));  // fewer than key frames
   CHECK(refused([](pliant_limits& l) { l.width = 16385; }));
   CHECK(refused([](pliant_limits& l) { l.start_points = 3; }));
+  CHECK(refused([](pliant_limits& l) { l.leaves_out = 4; }));
   CHECK(refused([](pliant_limits& l) { l.vertices = 3; }));  // fewer than the base mesh has
   const pliant_limits l = pliant_profile('S');
   CHECK(pliant_required_bytes(rig().table(), rig().table_bytes(), nullptr, &bytes) == PLIANT_BAD_ARGUMENT);
