@@ -246,21 +246,24 @@ void add_face_loads(const Model& model, const AlignerTable& aligner, const Track
              static_cast<double>(kSecondLookTuning.step_work), loads);
 }
 
-/// A frame whose templates fail is aligned, by the stages of the table that refine, and the mean face where the result is doubtful.
+/// A frame whose templates fail is aligned, by the stages of the table that refine; where the limits name second looks, the mean face
+/// is aligned, too, if the result is doubtful, and thumbnails tell whether the picture is another one.
 void add_alignment_loads(const AlignerTable& aligner, const TrackerLimits& limits, const Sizes& s,
                          Loads& loads) {
   double steps = 0;
   for (std::size_t k = 0; k < aligner.stage_count(); ++k) steps += aligner.stage(k).refines != 0;
-  const double of_mean_face = static_cast<double>(aligner.stage_count());
+  const bool looks = limits.second_look != nullptr;
+  const double of_mean_face = looks ? static_cast<double>(aligner.stage_count()) : 0;
   loads.push_back({"steps of alignments", steps, steps + of_mean_face, kCost.alignment_step});
-  loads.push_back({"ends of alignments", 1, 2, kCost.alignment_end});
+  loads.push_back({"ends of alignments", 1, looks ? 2.0 : 1.0, kCost.alignment_end});
+  const double vertices = limits.vertices,
+               record = limits.samples_vertices ? kCost.vertex_record : kCost.table_record;
+  loads.push_back({"vertices at its result", vertices, vertices, record * s.all_records});
+  if (!looks) return;
   const int twice = 2 * most_shifts(0) *
                     kCoarseTranslationTuning.max_pixels;  // with the last frame, with the last good one
   loads.push_back({"pixels of whole thumbnails compared", 0, static_cast<double>(twice),
                    static_cast<double>(s.costs.coarse_pixel)});
-  const double vertices = limits.vertices,
-               record = limits.samples_vertices ? kCost.vertex_record : kCost.table_record;
-  loads.push_back({"vertices at its result", vertices, vertices, record * s.all_records});
 }
 
 /// What checks of a print add to a tracked frame, and the frames that search for it and start with it.
@@ -305,23 +308,28 @@ void add_print_loads(const Sizes& s, const TrackerLimits& limits, std::size_t mo
       {"blocks where templates are wanted", 2.0 * limits.patches, 3.0 * limits.patches, kCost.print_block});
 }
 
-/// A frame that searches for a face.
+/// A frame that searches for a face, and aligns what it has found; or does one of the two, whatever takes more.
 void add_search_loads(const SearchPlan& plan, double width, Loads& loads) {
   const double steps = plan.steps;
-  const auto each = [&](const char* what, double most, double cost) {
-    loads.push_back({what, most, most, cost});
-  };
-  each("cells of the search", plan.cells, kCost.cell);
-  each("the same at the size of the frame", plan.cell_area, kCost.cell_area);
+  Loads search, alignment;
+  search.push_back({"cells of the search", plan.cells * 1.0, plan.cells * 1.0, kCost.cell});
+  search.push_back({"the same at the size of the frame", plan.cell_area, plan.cell_area, kCost.cell_area});
+  search.push_back({"columns of pixels, where it goes on", width, width, kCost.strip_column});
   if (plan.near_cells > 0) {
-    loads.push_back({"cells near its candidates", 0, static_cast<double>(plan.near_cells), kCost.cell});
-    loads.push_back({"the same at the size of the frame", 0, plan.near_area, kCost.cell_area});
+    const double usual = plan.does_both ? 0 : 1;
+    const auto cells = static_cast<double>(plan.near_cells);
+    alignment.push_back({"cells near its candidates", usual * cells, cells, kCost.cell});
+    alignment.push_back(
+        {"the same at the size of the frame", usual * plan.near_area, plan.near_area, kCost.cell_area});
   }
-  each("columns of pixels, where it goes on", width, kCost.strip_column);
+  alignment.push_back({"steps of alignments", steps, steps, kCost.alignment_step});
+  if (plan.does_both || most_instructions(search) >= most_instructions(alignment))
+    loads.insert(loads.end(), search.begin(), search.end());
+  if (plan.does_both || most_instructions(search) < most_instructions(alignment))
+    loads.insert(loads.end(), alignment.begin(), alignment.end());
   if (plan.turned_pixels > 0)
     loads.push_back(
         {"pixels of the turned frame", 0, static_cast<double>(plan.turned_pixels), kCost.turned_pixel});
-  if (plan.does_both) loads.push_back({"steps of alignments", steps, steps, kCost.alignment_step});
 }
 
 constexpr const char* kPointsOfCurves = "points of curves";
@@ -371,10 +379,9 @@ void add_start_loads(const Sizes& s, const TrackerLimits& limits, bool adapts, L
 void add_detection_loads(const Model& model, const AlignerTable& table, const TrackerLimits& limits,
                          const Sizes& sizes, Plan& plan) {
   add_face_loads(model, table, limits, sizes, plan.loads);
-  if (limits.second_look != nullptr) {
-    add_alignment_loads(table, limits, sizes, plan.alignment_loads);
-    if (limits.keeps_previous) add_anew_loads(model, sizes, limits, plan.anew_loads);
-  }
+  add_alignment_loads(table, limits, sizes, plan.alignment_loads);
+  if (limits.second_look != nullptr && limits.keeps_previous)
+    add_anew_loads(model, sizes, limits, plan.anew_loads);
   plan.search = search_plan(table, limits);
   add_search_loads(plan.search, limits.width, plan.search_loads);
   plan.start_loads =

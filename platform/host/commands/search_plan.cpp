@@ -83,14 +83,15 @@ SearchExtremes divide_searches(const TrackerLimits& limits, std::uint32_t work, 
   return most;
 }
 
-/// Each alignment begins with a search near its candidate, and the search goes on after rows that it had already.
+/// Each alignment begins with a search near its candidate, unless a whole search has just found it; beside it the search goes on
+/// after rows that it had already.
 void add_near_cells(const SearchExtremes& most, SearchPlan* plan) {
-  const auto alignments =
-      static_cast<std::uint64_t>((plan->steps + plan->alignment_steps - 1) / plan->alignment_steps);
-  const std::uint32_t rows_again = kWindowCells - 1;
-  plan->near_cells = alignments * most.near_cells + rows_again * most.widest_row;
-  plan->near_area = static_cast<double>(alignments) * most.near_area + rows_again * most.row_area;
-  plan->turned_pixels *= 1 + alignments;
+  const int alignments = (plan->steps + plan->alignment_steps - 1) / plan->alignment_steps;
+  const std::uint32_t rows_again = plan->does_both ? kWindowCells - 1 : 0;
+  plan->near_cells = std::uint64_t{most.near_cells} * static_cast<std::uint64_t>(alignments) +
+                     std::uint64_t{rows_again} * most.widest_row;
+  plan->near_area = alignments * most.near_area + rows_again * most.row_area;
+  plan->turned_pixels *= static_cast<std::uint64_t>(1 + alignments);
 }
 
 /// Frames of an alignment that begins in a frame of its own.
@@ -112,8 +113,9 @@ SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
   const SearchExtremes most = divide_searches(limits, work, &plan);
   plan.does_both = limits.search_work >= kFaceSearchTuning.cells_for_both;
   plan.steps = std::max(1, static_cast<int>(limits.search_work / kFaceSearchTuning.cells_a_step));
-  plan.alignment_steps = static_cast<int>(table.stage_count()) + 1;
-  if (plan.does_both && plan.search_frames > 1) add_near_cells(most, &plan);
+  // Where the work is spread, the score is taken twice.
+  plan.alignment_steps = static_cast<int>(table.stage_count()) + (plan.does_both ? 1 : 2);
+  if (!plan.does_both || plan.search_frames > 1) add_near_cells(most, &plan);
   plan.alignment_frames = alignment_frames(plan);
   return plan;
 }
