@@ -29,6 +29,10 @@ extern const Detection kDetection;
 struct PersonRefinement;
 /// Estimation of the person's identity while the head turns, by name, for the same reason.
 extern const PersonRefinement kPersonRefinement;
+struct TextureNoting;
+/// The texture that the image shows on the surface. A program that does not name it does not link it.
+extern const TextureNoting kSurfaceTexture;
+
 struct EdgeMatching;
 /// Matching of the model's curves and silhouette, by name, for the same reason.
 extern const EdgeMatching kEdgeMatching;
@@ -84,9 +88,11 @@ struct TrackerLimits {
   /// As EstimatorLimits::personal_field. 128 x 128 is the grid on which tables are baked: the person loses nothing.
   PersonalFieldLimits personal_field = {128, 128};
   Status (Cascade::*personalise)(const float* q) = &Cascade::personalise;  ///< as EstimatorLimits
-  /// Side of the grid over (u,v) that notes image texture for an adaptive mesh
-  /// (EstimatorOptions::mesh_operations), cells; one byte a cell. 0: the mesh adapts to the view alone.
-  std::uint8_t texture_cells = 0;
+  /// If it is kSurfaceTexture, image texture is noted for an adaptive mesh (EstimatorOptions::mesh_operations) in a grid over
+  /// (u,v). If null, the mesh adapts to the view alone, and 1 kB of code is not linked.
+  const TextureNoting* surface_texture = nullptr;
+  /// Side of that grid, cells, at least 1; a byte a cell. Round value, not tuned.
+  std::uint8_t texture_cells = 32;
   /// As EstimatorLimits::mesh_following. If null, the memory of mesh adaptation, 48 bytes a vertex, is used by other parts between
   /// starts.
   const MeshFollowing* mesh_following = &kMeshFollowing;
@@ -110,9 +116,11 @@ struct TrackerLimits {
   /// Side of the smallest face that is searched for, px (FaceBox). Below 48 counts as 48.
   std::uint16_t smallest_face_px = 48;
   /// Work of one frame without a track, cells of the search (FaceDetector::search). The default searches a
-  /// frame of 320 x 240 at once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame
-  /// has either a part of the search or steps of an alignment, each of the cost of 1,300 cells; the track
-  /// then starts some frames later, with the model's base mesh. A search for a print of 2,000 keypoints (40 bytes each) takes by
+  /// frame of 320 x 240 at once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame has either a part of
+  /// the search or steps of an alignment, one for each 660 cells; the track then starts some frames later, with the model's base
+  /// mesh. The built-in face's alignments take six steps, and one more in the frame that starts the track: with 3,960 and more
+  /// light and face change less between them (docs/experiments.md, Searches and first checks).
+  /// A search for a print of 2,000 keypoints (40 bytes each) takes by
   /// default one frame at 320 x 240 and two at 640 x 480; one of 3,000, the most that `bake` makes, takes two at either size.
   /// Corners are matched in the first frame, and the result is verified in the last. `pliant plan` has the frames of both searches.
   std::uint32_t search_work = 24000;
@@ -122,7 +130,7 @@ struct TrackerLimits {
 /// a region below 64 px a side, thumbnails above 256 px, 0 or more than 6 pyramid levels, a template's side that
 /// is even or outside 7 to 21 px, a margin above 16 px, fewer than 8 templates in frame 0 or more than 16,384 in
 /// all, fewer templates of key frames than key frames (but for none), a personal field of 1 sample or more than 256 a side, a
-/// start from 1 to 3 landmarks, or more points than ids.
+/// start from 1 to 3 landmarks, a texture without cells, or more points than ids.
 constexpr Status check(const TrackerLimits& l) {
   const auto is_between = [](int low, int value, int high) { return low <= value && value <= high; };
   const bool has_region = l.region_width != 0 || l.region_height != 0;
@@ -137,7 +145,8 @@ constexpr Status check(const TrackerLimits& l) {
       l.thumbnail_width <= 256 && is_between(1, l.pyramid_levels, 6) && is_between(7, l.patch_window, 21) &&
       l.patch_window % 2 == 1 && l.patch_margin <= 16 && l.patches >= 8 && templates <= 16384 &&
       (!has_person || person_fits) && (l.start_points == 0 || l.start_points >= 4) && points < 0xFFFF &&
-      (l.key_patches == 0 || l.key_patches >= l.key_frames);
+      (l.key_patches == 0 || l.key_patches >= l.key_frames) &&
+      (l.surface_texture == nullptr || l.texture_cells > 0);
   return is_possible ? Status::ok : Status::bad_argument;
 }
 

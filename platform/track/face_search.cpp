@@ -81,7 +81,7 @@ Status FaceSearch::search(const SearchInput& input, KnownPerson* person, StartPo
   if (status == Status::ok && was_searching) status = run_detector(input.frame);
   if (status != Status::ok) return status;
   if (was_searching && spreads_work()) return Status::not_found;
-  int steps = work_ < kTuning.cells_a_step ? 1 : static_cast<int>(work_ / kTuning.cells_a_step);
+  int steps = steps_of(work_);
   Answer answer = Answer::no;
   while (steps > 0 && is_aligning_ && answer == Answer::no)
     answer = align(input, &steps, person, start, landmark_error);

@@ -37,7 +37,12 @@ struct FaceSearchTuning {
   /// Cells of the search that cost as much as a step of an alignment: so many take 2.0 million instructions on a PC, and a step at
   /// most 1.8 (`pliant plan`); on a Cortex-M7 4 and at most 3.4 (docs/evaluation.md, Work on a Cortex-M7). The default search of
   /// 24,000 cells leaves three alignments of six steps.
-  std::uint32_t cells_a_step = 660;
+  std::uint32_t cells_a_step = 1300;
+  /// The same where a frame has either: profile S, with 4,000 cells, then has all stages of an alignment and its first score in one
+  /// frame, up to 22.6 million instructions on a Cortex-M7, where a part of the search takes up to 17.5 and the frame of the start
+  /// 28. With 1,300 an alignment takes three frames, in which light and face change (docs/experiments.md, Searches and first
+  /// checks).
+  std::uint32_t cells_a_step_alone = 660;
   /// Probability that an alignment is right, at least, for a start of the caller's to be moved there. Round value.
   float least_refined = 0.5f;
   /// Alignments of a start from a box, count, at most, until one does not leave its box: shift, as a fraction of the side, and
@@ -48,6 +53,18 @@ struct FaceSearchTuning {
   std::size_t enough_points = 12;
 };
 inline constexpr FaceSearchTuning kFaceSearchTuning{};
+
+/// Whether the work of searching and aligning is spread over frames, because this work of a frame is little.
+constexpr bool is_spread(std::uint32_t work) {
+  return work < kFaceSearchTuning.cells_for_both;
+}
+
+/// Steps of alignments in a frame of this work.
+constexpr int steps_of(std::uint32_t work) {
+  const FaceSearchTuning& t = kFaceSearchTuning;
+  const std::uint32_t steps = work / (is_spread(work) ? t.cells_a_step_alone : t.cells_a_step);
+  return steps == 0 ? 1 : static_cast<int>(steps);
+}
 
 /// Input of a frame's search.
 struct SearchInput {
@@ -63,7 +80,7 @@ class FaceSearch {
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
 
   /// Whether the work of searching and aligning is spread over frames, because the limits allow little a frame.
-  bool spreads_work() const { return work_ < kFaceSearchTuning.cells_for_both; }
+  bool spreads_work() const { return is_spread(work_); }
 
   /// The next frame is searched from the beginning.
   void begin();

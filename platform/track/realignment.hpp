@@ -21,7 +21,8 @@ struct RealignmentTuning {
   /// cut to another size the mouth may be aligned to the nose, which looks right from there (docs/experiments.md, Cuts; this and
   /// the following constants). Round values.
   float most_distance = 0.05f, most_disagreement = 0.12f;
-  /// The same of the only alignment, where the limits name no second looks.
+  /// The same of the only alignment, where the limits name no second looks. Of 0.05, 0.1, 0.12, 0.15 and 0.2 chosen on five people
+  /// (docs/experiments.md, Searches and first checks).
   float most_distance_alone = 0.1f;
   /// Where they are away from each other the second one is believed, if its probability is at least this, and its estimated error
   /// at most this fraction of the first one's. Those of a second look (SecondLookTuning).

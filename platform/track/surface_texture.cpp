@@ -25,7 +25,7 @@ void SurfaceTexture::lay_out(Arena& arena, std::uint8_t cells_a_side) {
 }
 
 void SurfaceTexture::start(EstimatorOptions* options) {
-  is_on_ = side_ > 0 && options->mesh_operations > 0 && options->texture.score == nullptr;
+  is_on_ = options->mesh_operations > 0 && options->texture.score == nullptr;
   if (!is_on_) return;
   for (std::size_t i = 0; i < side_ * side_; ++i) cells_[i] = 0;
   options->texture.context = this;
@@ -43,10 +43,10 @@ float SurfaceTexture::score(Vec2 uv) const {
   return (1 / kTuning.steps) * static_cast<float>(cell(uv));
 }
 
-/// Notes the faces f with f modulo `parts` equal to `part`. Scores of this frame replace older ones.
-void SurfaceTexture::note(const Estimator& estimator, const FrameRegion& region, std::uint32_t part,
-                          std::uint32_t parts) {
+/// Scores of this frame replace older ones.
+void SurfaceTexture::note(const Estimator& estimator, const FrameRegion& region, std::uint32_t frame) {
   if (!is_on_) return;
+  const std::uint32_t parts = frame == 0 ? 1 : kTuning.interval_frames, part = frame % parts;
   const Mesh& mesh = estimator.mesh();
   for (FaceId f : mesh.faces()) {
     if (f % parts != part || !faces_camera(mesh, estimator.vertex_images(), f)) continue;
@@ -62,5 +62,15 @@ void SurfaceTexture::note(const Estimator& estimator, const FrameRegion& region,
     }
   }
 }
+
+namespace {
+
+SurfaceTexture* lay_out(Arena& arena, std::uint8_t cells_a_side) {
+  return create_part<SurfaceTexture>(arena, cells_a_side);
+}
+
+}  // namespace
+
+const TextureNoting kSurfaceTexture{lay_out, &SurfaceTexture::start, &SurfaceTexture::note};
 
 }  // namespace pliant

@@ -22,29 +22,31 @@ struct SurfaceTextureTuning {
 };
 inline constexpr SurfaceTextureTuning kSurfaceTextureTuning{};
 
-/// A grid over (u,v), a byte a cell. Without cells it does nothing.
+/// A grid over (u,v), a byte a cell.
 class SurfaceTexture {
  public:
+  /// \param cells_a_side  at least 1.
   void lay_out(Arena& arena, std::uint8_t cells_a_side);
   /// Clears the grid and offers its score to the mesh's criterion, unless the options have one or the mesh stays.
   void start(EstimatorOptions* options);
-  /// Notes every face that turns to the camera (frame 0).
-  void note_all(const Estimator& estimator, const FrameRegion& region) { note(estimator, region, 0, 1); }
-  /// Notes those of this frame: one face in interval_frames.
-  void note_frame(const Estimator& estimator, const FrameRegion& region, std::uint32_t frame) {
-    note(estimator, region, frame % kSurfaceTextureTuning.interval_frames,
-         kSurfaceTextureTuning.interval_frames);
-  }
+  /// Notes the faces that turn to the camera: all of them in frame 0 of a track, then one face in interval_frames.
+  void note(const Estimator& estimator, const FrameRegion& region, std::uint32_t frame);
   /// 0 to most_score.
   float score(Vec2 uv) const;
 
  private:
-  void note(const Estimator& estimator, const FrameRegion& region, std::uint32_t part, std::uint32_t parts);
   std::uint8_t& cell(Vec2 uv) const;
 
   std::uint8_t* cells_ = nullptr;
   std::size_t side_ = 0;
   bool is_on_ = false;
+};
+
+/// Makes a grid, and a tracker's calls to it (`kSurfaceTexture`, tracker_limits.hpp).
+struct TextureNoting {
+  SurfaceTexture* (*lay_out)(Arena& arena, std::uint8_t cells_a_side);
+  void (SurfaceTexture::*start)(EstimatorOptions* options);
+  void (SurfaceTexture::*note)(const Estimator& estimator, const FrameRegion& region, std::uint32_t frame);
 };
 
 }  // namespace pliant

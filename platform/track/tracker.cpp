@@ -87,7 +87,8 @@ void ImageParts::lay_out(Arena& arena, const Model& model, const TrackerLimits& 
   templates.lay_out(arena, limits);
   edges = limits.edges == nullptr ? nullptr : limits.edges->lay_out(arena, limits);
   key_frames.lay_out(arena, limits);
-  texture.lay_out(arena, limits.texture_cells);
+  texture = limits.surface_texture == nullptr ? nullptr
+                                              : limits.surface_texture->lay_out(arena, limits.texture_cells);
   markers.lay_out(arena, limits.markers);
 }
 
@@ -243,7 +244,7 @@ void TrackerParts::conclude() {
   if (progress.uses_edges)
     (edges->*limits.edges->end_frame)({observations.data + of_templates, observation_count - of_templates});
   key_frames.trust(estimator);
-  texture.note_frame(estimator, region, progress.frame);
+  if (texture != nullptr) (texture->*limits.surface_texture->note)(estimator, region, progress.frame);
   keep_key_frame();
 }
 

@@ -29,7 +29,7 @@ struct ImageParts {
   TemplatePlacement placement;
   EdgeTracker* edges = nullptr;  // null: the limits name no matching of edges
   KeyFrames key_frames;
-  SurfaceTexture texture;
+  SurfaceTexture* texture = nullptr;  // null: the limits name none
   Markers markers;
   Span<Observation> observations;
   std::uint16_t* prediction_index = nullptr;  // by id of a surface point

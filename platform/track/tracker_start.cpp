@@ -135,7 +135,7 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const T
   if (block.is_of_search) detection->calls->end_search(*this);
   EstimatorOptions of_estimator = with.estimator;
   of_estimator.time_ns = view.time_ns;
-  texture.start(&of_estimator);
+  if (texture != nullptr) (texture->*limits.surface_texture->start)(&of_estimator);
   Status status = estimator.start(from.camera, view.width, view.height, from.pose, start_q.data, with.is_free,
                                   of_estimator);
   progress.uses_edges = edges != nullptr && with.estimator.uses(Cue::edge);
@@ -173,7 +173,7 @@ Status TrackerParts::capture_frame_0(const FrameView& view, Span<const Vec2> mar
     if (status != Status::ok) return status;
     key_frames.take(view);
   }
-  texture.note_all(estimator, region);
+  if (texture != nullptr) (texture->*limits.surface_texture->note)(estimator, region, 0);
   estimator.begin(view.time_ns);
   status = markers.place(estimator, marker_places, marker_exclusion_px);
   if (status != Status::ok) return status;

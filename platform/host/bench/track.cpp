@@ -202,7 +202,7 @@ void bench_cost(std::ostream& out, const ModelFile& file) {
   row("parameters " + std::to_string(count), film, sized(200, 512));
   options.is_free = nullptr;
   TrackerLimits limits = sized(200, 512);
-  limits.texture_cells = 32;
+  limits.surface_texture = &kSurfaceTexture;
   options.estimator.mesh_operations = 16;
   row("mesh 16 operations a frame", film, limits);
 }

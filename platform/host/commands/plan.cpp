@@ -246,8 +246,8 @@ void add_face_loads(const Model& model, const AlignerTable& aligner, const Track
              static_cast<double>(kSecondLookTuning.step_work), loads);
 }
 
-/// A frame whose templates fail is aligned, by the stages of the table that refine; where the limits name second looks, the mean face
-/// is aligned, too, if the result is doubtful, and thumbnails tell whether the picture is another one.
+/// A frame whose templates fail is aligned, by the stages of the table that refine; where the limits name second looks, the mean
+/// face is aligned, too, if the result is doubtful, and thumbnails tell whether the picture is another one.
 void add_alignment_loads(const AlignerTable& aligner, const TrackerLimits& limits, const Sizes& s,
                          Loads& loads) {
   double steps = 0;

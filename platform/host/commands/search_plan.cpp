@@ -111,8 +111,8 @@ SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
   SearchPlan plan;
   const std::uint32_t work = std::max(limits.search_work, std::uint32_t{1});
   const SearchExtremes most = divide_searches(limits, work, &plan);
-  plan.does_both = limits.search_work >= kFaceSearchTuning.cells_for_both;
-  plan.steps = std::max(1, static_cast<int>(limits.search_work / kFaceSearchTuning.cells_a_step));
+  plan.does_both = !is_spread(limits.search_work);
+  plan.steps = steps_of(limits.search_work);
   // Where the work is spread, the score is taken twice.
   plan.alignment_steps = static_cast<int>(table.stage_count()) + (plan.does_both ? 1 : 2);
   if (!plan.does_both || plan.search_frames > 1) add_near_cells(most, &plan);

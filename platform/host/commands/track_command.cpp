@@ -23,8 +23,6 @@ namespace {
 
 /// Markers that a run takes at most, count.
 constexpr std::size_t kMaxMarkers = 4096;
-/// Side of the texture grid that an adaptive mesh uses, cells (TrackerLimits::texture_cells). Round value, not tuned.
-constexpr std::uint8_t kTextureCells = 32;
 
 /// The camera that --calibration names; mirrored frames have a mirrored principal point.
 std::optional<Camera> known_camera(const Args& args, ImageSize size, std::ostream& err) {
@@ -116,7 +114,7 @@ TrackerLimits asked_limits(const Args& args, const Model& model, const FrameStre
 TrackerLimits with_room(TrackerLimits limits, const TrackerOptions& options, const Markers& markers,
                         const std::optional<Initial>& initial) {
   limits.markers = static_cast<std::uint16_t>(markers.x.size());
-  if (options.estimator.mesh_operations > 0) limits.texture_cells = kTextureCells;
+  if (options.estimator.mesh_operations > 0) limits.surface_texture = &kSurfaceTexture;
   const auto* landmarks = initial ? std::get_if<InitialLandmarks>(&*initial) : nullptr;
   if (landmarks != nullptr)
     limits.start_points = std::max(limits.start_points, static_cast<std::uint16_t>(landmarks->points.size()));

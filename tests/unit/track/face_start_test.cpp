@@ -242,7 +242,7 @@ TEST_CASE(
   fake.steps_an_alignment = 3;
   fake.has_ghost = true;
   TrackerLimits limits = limits_with_fake();
-  limits.search_work = 2 * kFaceSearchTuning.cells_a_step;
+  limits.search_work = 2 * kFaceSearchTuning.cells_a_step_alone;
   InArena<Tracker> tracker(baked_face().model, limits);
   for (std::size_t k = 0; k < kGone; ++k) {
     const int searches = fake.searches, steps = fake.steps;
@@ -288,7 +288,7 @@ TEST_CASE(
     FakeFaces fake(half_size());
     fake.calls_a_search = 8;
     TrackerLimits limits = limits_with_fake();
-    limits.search_work = 2 * kFaceSearchTuning.cells_a_step;
+    limits.search_work = 2 * kFaceSearchTuning.cells_a_step_alone;
     limits.key_frames = key_frames;
     InArena<Tracker> tracker(baked_face().model, limits);
     REQUIRE(half_size().start_at_pose(tracker.object) == Status::ok);
@@ -311,7 +311,7 @@ TEST_CASE(
 TEST_CASE("a place where a track was and no face is any more: the search goes on everywhere") {
   FakeFaces fake(half_size());
   TrackerLimits limits = limits_with_fake();
-  limits.search_work = 2 * kFaceSearchTuning.cells_a_step;
+  limits.search_work = 2 * kFaceSearchTuning.cells_a_step_alone;
   InArena<Tracker> tracker(baked_face().model, limits);
   const std::size_t begin = kGone - 2;
   REQUIRE(half_size().start_at_pose(tracker.object, begin) == Status::ok);
@@ -326,7 +326,7 @@ TEST_CASE("a search in parts that saw the face at another size only: it is align
   fake.calls_a_search = 2;
   fake.size_found = 1.33f;
   TrackerLimits limits = limits_with_fake();
-  limits.search_work = kFaceSearchTuning.cells_a_step;
+  limits.search_work = kFaceSearchTuning.cells_a_step_alone;
   InArena<Tracker> tracker(baked_face().model, limits);
   for (std::size_t k = 0; k < kGone; ++k) update(tracker.object, half_size(), k);
   CHECK(tracker->is_started());
@@ -336,7 +336,7 @@ TEST_CASE("a search in parts that saw the face at another size only: it is align
 TEST_CASE("a start of the caller's during a search ends it, and one during an alignment") {
   const FaceFilm& film = half_size();
   TrackerLimits limits = limits_with_fake();
-  limits.search_work = kFaceSearchTuning.cells_a_step;
+  limits.search_work = kFaceSearchTuning.cells_a_step_alone;
   for (const std::size_t begin : {std::size_t{1}, std::size_t{6}}) {  // in the search; in the alignment
     FakeFaces fake(film);
     fake.calls_a_search = 4;

@@ -19,7 +19,7 @@ const FaceFilm& film() {
 
 TrackerLimits limits_of_search() {
   TrackerLimits limits = limits_with_fake();
-  limits.search_work = 3 * kFaceSearchTuning.cells_a_step;
+  limits.search_work = 3 * kFaceSearchTuning.cells_a_step_alone;
   return limits;
 }
 

@@ -50,7 +50,7 @@ struct HalfTextured {
 TEST_CASE("texture scores where the picture has some, and nowhere else") {
   HalfTextured half;
   for (const float score : half.scores()) CHECK(score == 0);
-  half.texture->note_all(half.rig.estimator.object, half.rig.region.object);
+  half.texture->note(half.rig.estimator.object, half.rig.region.object, 0);
   float most[2] = {};
   int textured[2] = {};
   for (int i = 0; i < kSide; ++i)
@@ -74,24 +74,22 @@ TEST_CASE("texture scores where the picture has some, and nowhere else") {
 
 TEST_CASE("frame by frame each face is noted once in an interval") {
   HalfTextured half, all;
-  all.texture->note_all(all.rig.estimator.object, all.rig.region.object);
+  all.texture->note(all.rig.estimator.object, all.rig.region.object, 0);
   const auto count = [](const std::vector<float>& scores) {
     int n = 0;
     for (const float score : scores) n += score > 0;
     return n;
   };
-  half.texture->note_frame(half.rig.estimator.object, half.rig.region.object, 0);
+  half.texture->note(half.rig.estimator.object, half.rig.region.object, 1);
   CHECK(2 * count(half.scores()) < count(all.scores()));
-  for (std::uint32_t k = 1; k < kSurfaceTextureTuning.interval_frames; ++k)
-    half.texture->note_frame(half.rig.estimator.object, half.rig.region.object, k);
+  for (std::uint32_t k = 2; k <= kSurfaceTextureTuning.interval_frames; ++k)
+    half.texture->note(half.rig.estimator.object, half.rig.region.object, k);
   CHECK(count(half.scores()) > 0.9f * static_cast<float>(count(all.scores())));
 }
 
 TEST_CASE("the score is offered to a mesh that adapts and has none of its own") {
-  InArena<SurfaceTexture> texture(kSide), none(std::uint8_t{0});
+  InArena<SurfaceTexture> texture(kSide);
   EstimatorOptions options = adapting();
-  none->start(&options);
-  CHECK((options.texture.score == nullptr));
   options.mesh_operations = 0;
   texture->start(&options);
   CHECK((options.texture.score == nullptr));

@@ -139,6 +139,7 @@ TEST_CASE("random limits are refused or give a tracker that starts and tracks, o
     l.samples_per_point = static_cast<std::uint16_t>(any(0, 200));
     l.rejection_sample = static_cast<std::uint16_t>(any(256, 400));
     l.texture_cells = static_cast<std::uint8_t>(any(0, 256));
+    if (any(0, 1) == 1) l.surface_texture = &kSurfaceTexture;
     l.mesh_following = any(1, 2) != 0 ? &kMeshFollowing : nullptr;
     l.personal_field.width = l.personal_field.height = static_cast<std::uint16_t>(any(0, 300));
     CAPTURE(k);

@@ -32,6 +32,7 @@ const FaceFilm& film() {
 TrackerLimits limits_with(std::uint8_t texture_cells) {
   TrackerLimits limits;
   limits.vertices = 700;
+  if (texture_cells > 0) limits.surface_texture = &kSurfaceTexture;
   limits.texture_cells = texture_cells;
   return limits;
 }
@@ -147,8 +148,11 @@ TEST_CASE("without room for texture, or with a score of the caller's own, none i
   REQUIRE(start(tracker.object, options) == Status::ok);
   CHECK(asked > 0);
   const std::size_t with = measured_bytes<Tracker>(baked_face().model, limits_with(32)),
-                    without = measured_bytes<Tracker>(baked_face().model, limits_with(0));
-  CHECK(with - without == 32 * 32);
+                    less = measured_bytes<Tracker>(baked_face().model, limits_with(16));
+  CHECK(with - less == 32 * 32 - 16 * 16);
+  TrackerLimits none = limits_with(32);
+  none.texture_cells = 0;
+  CHECK(check(none) == Status::bad_argument);
 }
 
 }  // namespace tracker_mesh_test
