@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "aligned_block.hpp"
+#include "host/bench/still_film.hpp"
 #include "host/commands/face_finder.hpp"
 #include "pliant/face_aligner.hpp"
 #include "random.hpp"
