@@ -162,6 +162,11 @@ void add_limited_loads(const Sizes& s, const TrackerLimits& limits, const Estima
       {"factorisations at limits of parameters", 0, more * options.iterations, factorisation, Bound::beside});
 }
 
+/// Of a vertex that is moved with the parameters, to a millimetre.
+double moved_vertex(const TrackerLimits& limits, const Sizes& s) {
+  return (limits.samples_vertices ? kCost.moved_record : kCost.near_record) * s.records;
+}
+
 /// Points and vertices: prediction, tangents, projection.
 void add_surface_loads(const Sizes& s, const TrackerLimits& limits, const EstimatorOptions& options,
                        Loads& loads) {
@@ -169,12 +174,11 @@ void add_surface_loads(const Sizes& s, const TrackerLimits& limits, const Estima
   const double interval = std::max<double>(1, options.vertex_interval_frames);
   const double tangents = s.points / options.tangent_interval_frames;
   const double first_pass = static_cast<double>(kTemplateMatchTuning.first_pass_points);
-  const double of_vertex = limits.samples_vertices ? kCost.moved_record : kCost.near_record;
   loads.push_back({"points predicted", kUsual.rounds * s.points, rounds * s.points + first_pass,
                    kCost.predicted_record * s.records});
   loads.push_back({"tangents updated", tangents, tangents + 1, kCost.tangent_record * s.all_records});
   // On fast motion all vertices are updated.
-  loads.push_back({"vertices updated", vertices / interval, vertices, of_vertex * s.records});
+  loads.push_back({"vertices updated", vertices / interval, vertices, moved_vertex(limits, s)});
   loads.push_back({"vertices projected", kUsual.projections_a_vertex * vertices, (rounds + 3) * vertices,
                    kCost.projected_vertex});
   loads.push_back({"vertices drawn into the depth buffer", kUsual.drawings * vertices,
@@ -256,9 +260,8 @@ void add_alignment_loads(const AlignerTable& aligner, const TrackerLimits& limit
   const double of_mean_face = looks ? static_cast<double>(aligner.stage_count()) : 0;
   loads.push_back({"steps of alignments", steps, steps + of_mean_face, kCost.alignment_step});
   loads.push_back({"ends of alignments", 1, looks ? 2.0 : 1.0, kCost.alignment_end});
-  const double vertices = limits.vertices,
-               record = limits.samples_vertices ? kCost.vertex_record : kCost.table_record;
-  loads.push_back({"vertices at its result", vertices, vertices, record * s.all_records});
+  // On fast motion they are moved twice.
+  loads.push_back({"vertices at its result", 1.0 * limits.vertices, 2.0 * limits.vertices, moved_vertex(limits, s)});
   if (!looks) return;
   const int twice = 2 * most_shifts(0) *
                     kCoarseTranslationTuning.max_pixels;  // with the last frame, with the last good one
