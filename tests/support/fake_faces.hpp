@@ -44,6 +44,7 @@ struct FakeFaces {
   int refinements = 0;     ///< which are no `alignments`
   std::uint32_t work = 0;  ///< of the last search
   float roll = 0;          ///< of the last alignment
+  bool is_scored_twice = false;  ///< the last alignment is to be
   pliant::Quat expected;   ///< rotation that the last detector was laid out for
 
   static constexpr std::size_t kDetectorBytes = 40'000, kAlignerBytes = 20'000;
@@ -151,6 +152,7 @@ inline Status begin(FaceAligner&, const FrameView& frame, const FaceBox& box, co
   ++f.alignments;
   f.held_alignments += options.is_free != nullptr;
   f.roll = options.roll;
+  f.is_scored_twice = options.is_scored_twice;
   *steps = f.steps_an_alignment;
   alignment() = {box, camera, options, *steps};
   return Status::ok;

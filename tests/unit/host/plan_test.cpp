@@ -363,6 +363,36 @@ TEST_CASE("a frame may search as much as can be said, and its bounds do not over
   }
 }
 
+TEST_CASE(
+    "a frame that searches or aligns has the bound of what takes more; one that does both has their sum") {
+  const host::ModelFile file{PLIANT_DETECTING_FACE};
+  // Whether a frame without a track counts cells of the search, and steps of alignments.
+  const auto counts = [&](std::uint32_t work) {
+    TrackerLimits limits = profile_s();
+    limits.search_work = work;
+    std::pair<bool, bool> counted;
+    for (const Load& load : make_plan(file.model(), limits).search_loads) {
+      counted.first |= std::string(load.what) == "cells of the search";
+      counted.second |= std::string(load.what) == "steps of alignments";
+    }
+    return counted;
+  };
+  CHECK(counts(profile_s().search_work) == std::pair(true, false));
+  CHECK(counts(11'000) == std::pair(false, true));
+  CHECK(counts(24'000) == std::pair(true, true));
+}
+
+TEST_CASE("bad frames are aligned with any limits that find faces, with second looks the mean face, too") {
+  const host::ModelFile file{PLIANT_DETECTING_FACE};
+  const auto steps = [&](const TrackerLimits& limits) {
+    const auto& loads = make_plan(file.model(), limits).alignment_loads;
+    return loads.empty() ? 0.0 : loads.front().most;
+  };
+  CHECK(steps(without_detection(profile_s())) == 0);
+  CHECK(steps(profile_s()) == 3);
+  CHECK(steps({}) == 8);
+}
+
 TEST_CASE("the plan bounds the frames of a search for a print, in a picture full of corners too") {
   PrintTable table;
   REQUIRE(PrintTable::open(host::sheet().print(), &table) == Status::ok);

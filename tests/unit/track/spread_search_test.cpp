@@ -53,6 +53,23 @@ TEST_CASE(
   CHECK(result.state == TrackState::tracking);
 }
 
+TEST_CASE("an alignment whose last step may be in a later frame is scored twice, others once") {
+  for (const bool spreads : {false, true}) {
+    FakeFaces fake(film());
+    const TrackerLimits limits = spreads ? limits_of_search() : limits_with_fake();
+    InArena<Tracker> tracker(baked_face().model, limits);
+    for (std::size_t k = 0; !tracker->is_started(); ++k) update(tracker.object, film(), k);
+    CHECK(fake.is_scored_twice == spreads);
+    CHECK(is_spread(limits.search_work) == spreads);
+  }
+  // Without work a step a frame; profile S has all stages of the built-in face's alignment in one frame, and its score.
+  CHECK(steps_of(0) == 1);
+  CHECK(steps_of(profile_s().search_work) == 6);
+  CHECK(steps_of(kFaceSearchTuning.cells_for_both - 1) == 18);
+  CHECK(steps_of(kFaceSearchTuning.cells_for_both) == 9);
+  CHECK(steps_of(TrackerLimits{}.search_work) == 18);
+}
+
 TEST_CASE(
     "a track that stays poor is given up where there are no second looks, each time after twice as many "
     "checks") {
