@@ -119,8 +119,6 @@ bool is_another(const Alignments& a, AlignedFace* face) {
          a.detection.face_search.is_another(*face);
 }
 
-}  // namespace
-
 /// Ends a bad frame as a tracked one: its state is that of an alignment.
 bool take(TrackerParts& t, const AlignedFace& face) {
   FaceDetectionState& detection = face_detection_of(t);
@@ -134,6 +132,8 @@ bool take(TrackerParts& t, const AlignedFace& face) {
   tell_worth(t.estimator.view(), face.landmark_error, false, &t.result);
   return true;
 }
+
+}  // namespace
 
 bool realign(TrackerParts& t, const FrameView& frame) {
   const Alignments alignments = begin(t, frame);
