@@ -12,7 +12,7 @@ struct AlignmentTuning {
   /// Largest side of a box, and largest principal point, px: beyond, single precision has no pixels.
   float most_px = 1e5f;
   /// Second score, at least, for the first one to count (AlignOptions::is_scored_twice). With 0.1 as many frames of films of
-  /// portraits are right, with 0.7 1 to 7 % fewer in shadows of trees (docs/experiments.md, Searches and first checks).
+  /// portraits are right, with 0.7 up to 7 % fewer in shadows of trees (docs/experiments.md, Searches and first checks).
   float least_second_score = 0.3f;
 };
 inline constexpr AlignmentTuning kAlignmentTuning{};

@@ -100,7 +100,7 @@ class FaceChecks {
   float landmark_error_ = 0;
 };
 
-/// Bytes that a check takes of unused memory.
+/// Bytes that a check, or the alignment of a bad frame without second looks, takes of unused memory.
 std::size_t check_bytes(const Model& model, const TrackerLimits& limits);
 
 }  // namespace pliant

@@ -39,7 +39,7 @@ struct FaceSearchTuning {
   /// 24,000 cells leaves three alignments of six steps.
   std::uint32_t cells_a_step = 1300;
   /// The same where a frame has either: profile S, with 4,000 cells, then has all stages of an alignment and its first score in one
-  /// frame, up to 22.6 million instructions on a Cortex-M7, where a part of the search takes up to 17.5 and the frame of the start
+  /// frame, up to 22.6 million instructions on a Cortex-M7, where a part of the search takes up to 17.1 and the frame of the start
   /// 28. With 1,300 an alignment takes three frames, in which light and face change (docs/experiments.md, Searches and first
   /// checks).
   std::uint32_t cells_a_step_alone = 660;
