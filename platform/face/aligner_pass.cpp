@@ -83,6 +83,7 @@ bool AlignerPass::take_picture(const FrameView& frame) {
   if (!is_finite(middle)) return false;
   picture_.take(frame, middle, max(1, kFaceBoxMm * shape_.view().s) / kFacePictureTuning.face_px,
                 gradients_.scratch());
+  picture_.smooth_noise();
   return true;
 }
 

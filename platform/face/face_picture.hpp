@@ -3,6 +3,7 @@
 // read from it.
 #include <cstdint>
 
+#include "face/picture_noise.hpp"
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/frame.hpp"
@@ -56,6 +57,8 @@ class FacePicture {
   /// \param ratio    px of the frame a pixel of this picture; below 1 counts as 1. Finite.
   /// \param columns  scratch, side * most_samples values.
   void take(const FrameView& frame, Vec2 centre, float ratio, int* columns);
+  /// Smooths the picture as taken if it is noisy (picture_noise.hpp).
+  void smooth_noise() { pliant::smooth_noise(pixels_, side_); }
 
   /// As taken: the middle of the part, px of the frame, and px of the frame a pixel.
   Vec2 centre() const { return first_ + 0.5f * ratio_ * Vec2{last(), last()}; }

@@ -4,7 +4,7 @@
 #include "fake_faces.hpp"
 #include "open_model.hpp"
 #include "pliant/tracker.hpp"
-#include "vision/noise_filter.hpp"
+#include "vision/noise.hpp"
 #include "vision/noise_tuning.hpp"
 
 namespace low_light_test {

@@ -1,0 +1,20 @@
+#pragma once
+// Smoothing of the noise in pictures of a face (docs/algorithms.md, section 7.22).
+#include <cstdint>
+
+namespace pliant {
+
+/// Tuning of the smoothing. Each constant: unit, reason, experiment.
+struct PictureNoiseTuning {
+  /// Noise over contrast (`FrameNoise`) from which on a picture is smoothed once, and from which on twice. Chosen on films of five
+  /// people in 22 kinds of light and noise: docs/experiments.md, Noise of pictures.
+  float noisy = 0.1f, very_noisy = 0.45f;
+};
+inline constexpr PictureNoiseTuning kPictureNoiseTuning{};
+
+/// Smooths a square picture in place by [1 2 1]/4 along rows and columns if it is noisy, twice if it is very noisy. Beyond the
+/// border its pixels go on. Cost: `noise_of`, and 6 additions a pixel each time.
+/// \param pixels  rows without padding. \param side  px, 1 to 160.
+void smooth_noise(std::uint8_t* pixels, int side);
+
+}  // namespace pliant
