@@ -50,4 +50,33 @@ TEST_CASE(
   CHECK(result[0].rms_px == result[1].rms_px);
 }
 
+TEST_CASE("a track that has begun anew takes its other templates from good frames, not from aligned ones") {
+  // \param aligned  frames after the one that begins the track whose picture is a negative, which no template matches.
+  const auto tracked_after = [](std::size_t aligned) {
+    FakeFaces fake(film());
+    fake.covered_frames = 10;
+    InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+    FrameResult result;
+    std::size_t begun = kFrames;  // the first frame of the track
+    for (std::size_t k = 0; k < kFrames && k < begun + aligned + 6; ++k) {
+      std::vector<std::uint8_t> pixels = film().frames[k];
+      if (k > begun && k <= begun + aligned)
+        for (std::uint8_t& grey : pixels) grey = static_cast<std::uint8_t>(255 - grey);
+      FrameView view = film().view(k);
+      view.data = pixels.data();
+      REQUIRE(tracker->update(view, &result) == Status::ok);
+      CHECK(result.state == TrackState::tracking);
+      if (begun == kFrames && tracker->track_number() == 2) begun = k;
+    }
+    REQUIRE(begun < kFrames);
+    CHECK(tracker->track_number() == 2);
+    return result.inliers;
+  };
+  const int usual = tracked_after(0);
+  for (const std::size_t aligned : {1u, 3u}) {
+    CAPTURE(aligned);
+    CHECK(tracked_after(aligned) > 0.9f * static_cast<float>(usual));
+  }
+}
+
 }  // namespace found_track_test

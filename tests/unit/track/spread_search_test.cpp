@@ -70,6 +70,52 @@ TEST_CASE("an alignment whose last step may be in a later frame is scored twice,
   CHECK(steps_of(TrackerLimits{}.search_work) == 18);
 }
 
+TEST_CASE("a search that the caller begins in the middle of an alignment makes one of its own") {
+  FakeFaces fake(film());
+  InArena<Tracker> tracker(baked_face().model, limits_of_search());
+  std::size_t k = 0;
+  while (fake.steps == 0) update(tracker.object, film(), k++);
+  REQUIRE(fake.steps < fake.steps_an_alignment);
+  REQUIRE(tracker->start_by_detection() == Status::ok);
+  const int before = fake.steps;
+  while (!tracker->is_started()) {
+    REQUIRE(k < kFrames);
+    update(tracker.object, film(), k++);
+  }
+  CHECK(fake.alignments == 2);
+  CHECK(fake.steps == before + fake.steps_an_alignment);
+}
+
+TEST_CASE(
+    "after a track the known person is aligned first, at the place of the track, and keeps the markers") {
+  FakeFaces fake(film());
+  TrackerLimits limits = limits_of_search();
+  limits.markers = 1;
+  InArena<Tracker> tracker(baked_face().model, limits);
+  const Vec2 nose = film().truth("nose_tip", 0);
+  REQUIRE(film().start_at_truth(tracker.object, 0, {}, {&nose, 1}) == Status::ok);
+  const std::vector<std::uint8_t> black(film().frames[0].size(), 0);
+  constexpr std::size_t kDark = 20;
+  bool is_dark = true;  // from frame kDark on, until the track has ended
+  std::size_t k = 1;
+  for (; is_dark || !tracker->is_started(); ++k) {
+    REQUIRE(k < kFrames);
+    is_dark = is_dark && tracker->is_started();
+    FrameView view = film().view(k);
+    if (k >= kDark && is_dark) view.data = black.data();
+    FrameResult result;
+    REQUIRE(tracker->update(view, &result) == Status::ok);
+  }
+  CHECK(tracker->track_number() == 2);
+  CHECK(tracker->person_number() == 1);
+  CHECK(fake.searches == 0);
+  CHECK(fake.alignments == 1);
+  CHECK(fake.held_alignments == 1);
+  Vec2 x;
+  REQUIRE(tracker->marker(0, &x));
+  CHECK(length(x - film().truth("nose_tip", k - 1)) < 2);
+}
+
 TEST_CASE(
     "a track that stays poor is given up where there are no second looks, each time after twice as many "
     "checks") {
