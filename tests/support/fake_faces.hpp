@@ -19,6 +19,7 @@ struct FakeFaces {
   // What it does.
   const FaceFilm* film = nullptr;
   std::uint32_t calls_a_search = 1;  ///< calls until a bounded search is complete
+  bool finds_early = false;          ///< each of these calls finds the face, not the last one alone
   float detection = 0.999f;          ///< score of the face in the detector
   float score = 0.999f;              ///< of an alignment
   float verification = 0.99f;        ///< score of a verification near the truth
@@ -113,7 +114,7 @@ inline Status search(FaceDetector&, const FrameView& frame, std::uint32_t work, 
   *count = 0;
   *is_complete = work >= 24000 || static_cast<std::uint32_t>(f.searches) % f.calls_a_search == 0;
   const FaceBox box = f.box(frame.sequence);
-  if (!*is_complete) return Status::ok;
+  if (!*is_complete && !f.finds_early) return Status::ok;
   if (f.has_ghost) room[(*count)++] = {{{60, 60}, 50}, 0.9995f};
   if (box.side > 0) room[(*count)++] = {{box.center, f.size_found * box.side}, f.detection};
   return Status::ok;

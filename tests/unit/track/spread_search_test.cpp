@@ -70,6 +70,20 @@ TEST_CASE("an alignment whose last step may be in a later frame is scored twice,
   CHECK(steps_of(TrackerLimits{}.search_work) == 18);
 }
 
+TEST_CASE("a sure detection is aligned before the search is complete, another one afterwards") {
+  for (const bool is_sure : {true, false}) {
+    CAPTURE(is_sure);
+    FakeFaces fake(film());
+    fake.finds_early = true;
+    fake.calls_a_search = 6;
+    fake.detection = kFaceSearchTuning.sure_detection + (is_sure ? 0.01f : -0.01f);
+    InArena<Tracker> tracker(baked_face().model, limits_of_search());
+    for (std::size_t k = 0; fake.alignments == 0 && k < kFrames; ++k) update(tracker.object, film(), k);
+    CHECK(fake.alignments == 1);
+    CHECK(fake.searches == (is_sure ? 1 : 6));
+  }
+}
+
 TEST_CASE("a search that the caller begins in the middle of an alignment makes one of its own") {
   FakeFaces fake(film());
   InArena<Tracker> tracker(baked_face().model, limits_of_search());
