@@ -122,8 +122,8 @@ inline Status search(FaceDetector&, const FrameView& frame, std::uint32_t work, 
 
 inline Status search_near(FaceDetector&, const FrameView& frame, const FaceBox& box, DetectedFace* face) {
   const FaceBox truth = fake().box(frame.sequence);
-  if (truth.side > 0 && length(truth.center - box.center) < 0.5f * truth.side)
-    *face = {truth, fake().detection};
+  if (!(truth.side > 0 && length(truth.center - box.center) < 0.5f * truth.side)) return Status::not_found;
+  *face = {truth, fake().detection};
   return Status::ok;
 }
 

@@ -84,6 +84,19 @@ TEST_CASE("a sure detection is aligned before the search is complete, another on
   }
 }
 
+TEST_CASE("what a search has detected is aligned, though the next frame does not show it to the detector") {
+  FakeFaces fake(film());
+  fake.has_ghost = true;  // at the end of the search, and not near its place
+  fake.calls_a_search = 2;
+  InArena<Tracker> tracker(baked_face().model, limits_of_search());
+  for (std::size_t k = 0; !tracker->is_started(); ++k) {
+    REQUIRE(k < kFrames);
+    update(tracker.object, film(), k);
+  }
+  CHECK(fake.searches == 2);
+  CHECK(fake.alignments == 2);
+}
+
 TEST_CASE("a search that the caller begins in the middle of an alignment makes one of its own") {
   FakeFaces fake(film());
   InArena<Tracker> tracker(baked_face().model, limits_of_search());
