@@ -152,8 +152,7 @@ Status FaceSearch::begin_alignment(const SearchInput& input, const KnownPerson& 
   const bool is_known = whom_ == Whom::known;
   const Camera camera =
       is_known ? person.camera : start_camera(o.camera, o.focal_px, input.frame.width, input.frame.height);
-  for (std::size_t k = 0; k < model_.parameters().count; ++k)
-    q_[k] = is_known && is_expression_[k] == 0 ? person.q[k] : 0;
+  copy(person.q, model_.parameters().count, q_);  // those that are free are not read
   return modules_->begin(*aligner_, input.frame, candidates_.next().box, camera,
                          {is_known ? is_expression_ : nullptr, candidates_.next().roll, spreads_work()}, q_,
                          &steps_left_);

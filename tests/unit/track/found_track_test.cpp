@@ -79,4 +79,33 @@ TEST_CASE("a track that has begun anew takes its other templates from good frame
   }
 }
 
+TEST_CASE("a track that begins anew is the same whatever the origin of time") {
+  constexpr std::size_t kChange = 12;
+  // \param is_covered  a second look begins the track; else bad frames in a row, whose picture is a negative.
+  const auto poses_at = [](bool is_covered, std::int64_t origin_ns) {
+    FakeFaces fake(film());
+    fake.covered_frames = is_covered ? 10 : 0;
+    InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+    std::vector<float> poses;
+    for (std::size_t k = 0; k < kFrames; ++k) {
+      std::vector<std::uint8_t> pixels = film().frames[k];
+      if (!is_covered && k >= kChange)
+        for (std::uint8_t& grey : pixels) grey = static_cast<std::uint8_t>(255 - grey);
+      FrameView view = film().view(k);
+      view.data = pixels.data();
+      view.time_ns += origin_ns;
+      FrameResult result;
+      REQUIRE(tracker->update(view, &result) == Status::ok);
+      poses.insert(poses.end(), {result.pose.t.x, result.pose.t.y, result.pose.t.z, result.pose.q.x});
+    }
+    CHECK(tracker->track_number() == 2);
+    return poses;
+  };
+  for (const bool is_covered : {true, false}) {
+    const std::vector<float> poses = poses_at(is_covered, 0);
+    for (const std::size_t frames : {20u, 1000u})
+      CHECK(poses_at(is_covered, film().view(1).time_ns * -static_cast<std::int64_t>(frames)) == poses);
+  }
+}
+
 }  // namespace found_track_test
