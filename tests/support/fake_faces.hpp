@@ -30,6 +30,7 @@ struct FakeFaces {
   std::size_t least_part_from = 0;
   pliant::Status status = pliant::Status::ok;  ///< of the tables
   float size_found = 1;                        ///< of the face in a search, over its size
+  float roll_found = 0;                        ///< the same of the turn of the frame in which it is found
   bool has_ghost = false;                      ///< the detector also gives a box without a face
   int steps_an_alignment = 6;
   std::size_t blind_from = ~std::size_t{0};  ///< frame from which on no alignment begins
@@ -116,7 +117,7 @@ inline Status search(FaceDetector&, const FrameView& frame, std::uint32_t work, 
   const FaceBox box = f.box(frame.sequence);
   if (!*is_complete && !f.finds_early) return Status::ok;
   if (f.has_ghost) room[(*count)++] = {{{60, 60}, 50}, 0.9995f};
-  if (box.side > 0) room[(*count)++] = {{box.center, f.size_found * box.side}, f.detection};
+  if (box.side > 0) room[(*count)++] = {{box.center, f.size_found * box.side}, f.detection, f.roll_found};
   return Status::ok;
 }
 

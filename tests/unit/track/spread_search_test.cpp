@@ -84,6 +84,20 @@ TEST_CASE("a sure detection is aligned before the search is complete, another on
   }
 }
 
+TEST_CASE("a face that is found in a turned frame is aligned at that turn, and has to be sure") {
+  for (const bool is_turned : {false, true})
+    for (const bool is_sure : {false, true}) {
+      FakeFaces fake(film());
+      fake.roll_found = is_turned ? 1.5f : 0.0f;
+      fake.detection = is_sure ? 0.9999f : 0.9f;
+      fake.score = is_sure ? 0.9999f : 0.995f;
+      InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+      for (std::size_t k = 0; k < 6; ++k) update(tracker.object, film(), k);
+      CHECK(fake.roll == fake.roll_found);
+      CHECK(tracker->is_started() == (is_sure || !is_turned));
+    }
+}
+
 TEST_CASE("what a search has detected is aligned, though the next frame does not show it to the detector") {
   FakeFaces fake(film());
   fake.has_ghost = true;  // at the end of the search, and not near its place
@@ -114,13 +128,19 @@ TEST_CASE("a search that the caller begins in the middle of an alignment makes o
 }
 
 TEST_CASE(
-    "after a track the known person is aligned first, at the place of the track, and keeps the markers") {
+    "after a track the known person is aligned first, at the place of the track, and keeps markers and "
+    "camera") {
   FakeFaces fake(film());
   TrackerLimits limits = limits_of_search();
   limits.markers = 1;
   InArena<Tracker> tracker(baked_face().model, limits);
   const Vec2 nose = film().truth("nose_tip", 0);
-  REQUIRE(film().start_at_truth(tracker.object, 0, {}, {&nose, 1}) == Status::ok);
+  std::vector<NamedPoint> points;
+  for (const Landmark& l : baked_face().model.landmarks())
+    if (points.size() < limits.start_points) points.push_back({l.name, film().truth(l.name, 0)});
+  REQUIRE(tracker->start_from_landmarks(film().view(0), {points.data(), points.size()}, {}, {}, {&nose, 1}) ==
+          Status::ok);
+  const float focal_px = tracker->camera().f;  // fitted, another one than a search assumes
   const std::vector<std::uint8_t> black(film().frames[0].size(), 0);
   constexpr std::size_t kDark = 20;
   bool is_dark = true;  // from frame kDark on, until the track has ended
@@ -141,6 +161,7 @@ TEST_CASE(
   Vec2 x;
   REQUIRE(tracker->marker(0, &x));
   CHECK(length(x - film().truth("nose_tip", k - 1)) < 2);
+  CHECK(tracker->camera().f == focal_px);
 }
 
 TEST_CASE(
