@@ -59,6 +59,11 @@ class FaceChecks {
   /// Precondition: the limits name a detection, and the model has its tables.
   void lay_out(const TrackerLimits& limits);
 
+  /// The next track may be of somebody else, elsewhere: poor tracks before it do not count.
+  void forget() {
+    poor_ = 0;
+    patience_ = kFaceChecksTuning.poor_checks;
+  }
   /// A track has begun. `conclude` follows in the same frame.
   /// \param landmark_error  estimate; 0: unknown. \param is_of_known_person  whose shape an earlier start has found.
   void begin_track(float landmark_error, bool is_of_known_person);

@@ -188,6 +188,32 @@ TEST_CASE(
   CHECK(starts[2] - starts[1] < 2 * first + 2);
 }
 
+TEST_CASE("the patience with poor tracks is that of a new tracker after a start of the caller's") {
+  FakeFaces fake(film());
+  fake.error = fake.held_error = 1.5f * kFaceChecksTuning.most_landmark_error;
+  // Frames of the track that begins in frame k.
+  const auto frames_of_track = [](Tracker& tracker, std::size_t k) {
+    const std::size_t begin = k;
+    while (k < kFrames && update(tracker, film(), k).state != TrackState::lost) ++k;
+    return k - begin;
+  };
+  InArena<Tracker> fresh(baked_face().model, limits_with_fake()),
+      used(baked_face().model, limits_with_fake());
+  const std::size_t usual = frames_of_track(fresh.object, 0);
+  for (std::size_t k = 0; k < kFrames; ++k) update(used.object, film(), k);
+  REQUIRE(used->track_number() == 3);
+  REQUIRE(used->start_by_detection() == Status::ok);
+  CHECK(frames_of_track(used.object, 0) == usual);
+  for (std::size_t k = usual + 1; k < kFrames; ++k) update(used.object, film(), k);
+  const FaceBox box = fake.box(0);
+  const Vec2 half{0.5f * box.side, 0.5f * box.side};
+  StartOptions start;
+  start.box = BoxConvention::face_box;
+  for (Tracker* each : {&fresh.object, &used.object})
+    REQUIRE(each->start_from_box(film().view(0), box.center - half, 2.0f * half, start) == Status::ok);
+  CHECK(frames_of_track(used.object, 1) == frames_of_track(fresh.object, 1));
+}
+
 TEST_CASE("a poor track is not given up where the caller has placed markers, which a new one would lose") {
   FakeFaces fake(film());
   fake.error = fake.held_error = 1.5f * kFaceChecksTuning.most_landmark_error;
