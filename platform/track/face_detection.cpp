@@ -107,7 +107,7 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
 void give_up(TrackerParts& t) {
   FaceDetectionState& self = face_detection_of(t);
   self.note_person(t.estimator.camera());
-  if (self.person.is_known) self.marker_count = t.markers.save(t.estimator, self.markers);
+  self.marker_count = t.markers.save(t.estimator, self.markers);  // for the known person only (start_found)
   self.face_search.expect(box_of_track(t), t.estimator.view().q);
   DetectionState::give_up(t);
 }

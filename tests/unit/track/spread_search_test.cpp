@@ -60,6 +60,7 @@ TEST_CASE("an alignment whose last step may be in a later frame is scored twice,
     InArena<Tracker> tracker(baked_face().model, limits);
     for (std::size_t k = 0; !tracker->is_started(); ++k) update(tracker.object, film(), k);
     CHECK(fake.is_scored_twice == spreads);
+    CHECK((tracker->result().vertices == baked_face().model.base_uv().count) == spreads);  // the base mesh
     CHECK(is_spread(limits.search_work) == spreads);
   }
   // Without work a step a frame; profile S has all stages of the built-in face's alignment in one frame, and its score.
