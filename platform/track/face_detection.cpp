@@ -204,7 +204,6 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
   self.poor_start.begin(t.result.tracked, t.limits.patches, view, t.estimator);
   self.face_search.end();
   self.checks.begin_track(self.landmark_error, self.person.is_known);
-  self.landmark_error = 0;
   t.budget.check.is_reserved = true;
   conclude(t, view);
 }

@@ -79,6 +79,36 @@ TEST_CASE("a track that has begun anew takes its other templates from good frame
   }
 }
 
+TEST_CASE(
+    "a track of another person that begins anew keeps the mesh: to refine it takes as long as two frames") {
+  constexpr std::size_t kChange = 10;
+  FaceFilm other(
+      320, 240, kFrames,
+      [](float s, Pose& pose, auto& q) {
+        pose.t.x += 20 * s;
+        FaceFilm::set(q, s * (kFrames - 1) < kChange - 0.5f ? "faceWidth" : "noseLength", 3);
+      },
+      0.5f);
+  for (std::size_t k = kChange; k < kFrames; ++k)
+    for (std::uint8_t& grey : other.frames[k]) grey = static_cast<std::uint8_t>(255 - grey);
+  FakeFaces fake(other);
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  const auto places = [&] {
+    std::vector<float> all;
+    const Mesh& mesh = tracker->estimator().mesh();
+    for (VertexId v : mesh.vertices()) all.insert(all.end(), {mesh.uv(v).x, mesh.uv(v).y});
+    return all;
+  };
+  std::vector<float> before;
+  for (std::size_t k = 0; k < kFrames && tracker->track_number() < 2; ++k) {
+    update(tracker.object, other, k);
+    if (k == 0) before = places();
+  }
+  REQUIRE(tracker->track_number() == 2);
+  REQUIRE(tracker->person_number() == 2);
+  CHECK(places() == before);
+}
+
 TEST_CASE("a track that begins anew is the same whatever the origin of time") {
   constexpr std::size_t kChange = 12;
   // \param is_covered  a second look begins the track; else bad frames in a row, whose picture is a negative.
