@@ -5,6 +5,7 @@
 
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
+#include "track/tracker_sizes.hpp"
 
 namespace face_checks_test {
 
@@ -131,6 +132,21 @@ TEST_CASE("a track that was found with a covered part is degraded until a check 
   CHECK(uncovered.degraded >= 9);
   CHECK(!uncovered.at_the_end);
   CHECK(play(kCovered, kDoubtful, kFew, false).degraded == 0);  // the caller has said where the face is
+}
+
+TEST_CASE("a start of the caller's is checked in its own frame, however small the budget of a frame is") {
+  FakeFaces fake(film());
+  TrackerLimits limits = without_edges(without_person(limits_with_fake()));
+  limits.patches = 24;
+  limits.key_patches = limits.key_frames = 0;
+  const std::vector<std::uint8_t> rigid(baked_face().model.parameters().count, 0);
+  TrackerOptions options;
+  options.is_free = rigid.data();
+  InArena<Tracker> tracker(baked_face().model, limits);
+  REQUIRE(film().start_at_truth(tracker.object, 0, options) == Status::ok);
+  CHECK(most_frame_work(limits, tracker->estimator().work_costs(limits.patch_window), 0) <
+        kFaceChecksTuning.check_work);
+  CHECK(fake.verifications == 1);
 }
 
 TEST_CASE("after a bad check the next frame is checked") {
