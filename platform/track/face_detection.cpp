@@ -202,7 +202,6 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
   self.last_read_ns = view.time_ns;
   calibrate_parts(t, view);
   self.poor_start.begin(t.result.tracked, t.limits.patches, view, t.estimator);
-  self.face_search.end();
   self.checks.begin_track(self.landmark_error, self.person.is_known);
   t.budget.check.is_reserved = true;
   conclude(t, view);

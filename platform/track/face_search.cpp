@@ -228,7 +228,6 @@ Status FaceSearch::align_near(FaceBox box, const FrameView& frame, const Camera&
 
 void FaceSearch::refine(const SearchInput& input, const FaceBox* box, KnownPerson* person, StartPose* start,
                         float* landmark_error) {
-  begin();
   whom_ = Whom::another;
   if (lay_out_search(input) != Status::ok) return;
   copy(person->q, model_.parameters().count, q_);
@@ -239,11 +238,6 @@ void FaceSearch::refine(const SearchInput& input, const FaceBox* box, KnownPerso
   if (status != Status::ok || !(face.score >= kTuning.least_refined)) return;
   set_person(face, person, start);
   *landmark_error = face.landmark_error;
-}
-
-void FaceSearch::end() {
-  last_ = {};
-  detector_ = nullptr;
 }
 
 std::size_t search_bytes(const Model& model, const TrackerLimits& limits) {

@@ -93,8 +93,6 @@ class FaceSearch {
   }
   /// The face that was found is expected there once more: blur, or too much light, has left no templates for a track.
   void expect_again(const Quat& rotation) { expect(candidates_.next().box, rotation); }
-  /// A track has begun: the memory of the search is the track's now.
-  void end();
 
   /// Searches in this frame, as much as the limits allow. If a face is found `start` and the person are set; the offsets
   /// are pending where the person is new.

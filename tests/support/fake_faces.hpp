@@ -22,6 +22,7 @@ struct FakeFaces {
   bool finds_early = false;          ///< each of these calls finds the face, not the last one alone
   float detection = 0.999f;          ///< score of the face in the detector
   float score = 0.999f;              ///< of an alignment
+  float free_score = 1;              ///< the same with the identity free, if less
   float verification = 0.99f;        ///< score of a verification near the truth
   float error = 0.02f;               ///< landmark error of an alignment
   float tracked_error = 0;           ///< of a verification near the truth; 0: `error`
@@ -192,7 +193,8 @@ inline Status advance(FaceAligner&, const FrameView& frame, int steps, AlignedFa
     return Status::ok;
   View view = view_of(f.film->poses[k], f.film->camera);
   view.rho = view.s / camera.f;
-  *face = {camera, pose_of(view), f.score, options.is_free != nullptr ? f.held_error : f.error, 0};
+  const float score = options.is_free == nullptr ? min(f.score, f.free_score) : f.score;
+  *face = {camera, pose_of(view), score, options.is_free != nullptr ? f.held_error : f.error, 0};
   for (std::size_t i = 0; i < f.film->parameters[k].size(); ++i)
     if (options.is_free == nullptr || options.is_free[i] != 0) q[i] = f.film->parameters[k][i];
   for (std::size_t i = 0; i < landmarks.count; ++i)

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "baked_face.hpp"
+#include "fake_faces.hpp"
 #include "model_builder.hpp"
 
 namespace known_person_test {
@@ -75,6 +76,29 @@ TEST_CASE("faces that are turned away do not tell who it is, neither the first o
   known->set(frontal, person().data());
   known->forget();
   CHECK_FALSE(known->tells());
+}
+
+TEST_CASE("a face that is aligned surely as the known person alone is theirs") {
+  constexpr std::size_t kDark = 20, kLight = 30, kFrames = 40;
+  const FaceFilm film = drifting_face(kFrames);
+  const std::vector<std::uint8_t> black(film.frames[0].size(), 0);
+  for (const bool is_known : {true, false}) {
+    CAPTURE(is_known);
+    FakeFaces fake(film);
+    InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+    for (std::size_t k = 0; k < kFrames; ++k) {
+      if (k == kDark) fake.free_score = 0.9f * kFaceSearchTuning.least_start;
+      fake.has_ghost = k >= kDark;  // a candidate that is better, and no face
+      if (k == kLight && !is_known) REQUIRE(tracker->start_by_detection() == Status::ok);
+      FrameView view = film.view(k);
+      if (k >= kDark && k < kLight) view.data = black.data();
+      FrameResult result;
+      REQUIRE(tracker->update(view, &result) == Status::ok);
+      if (k + 1 == kLight) CHECK_FALSE(tracker->is_started());
+    }
+    CHECK(tracker->is_started() == is_known);
+    CHECK(tracker->person_number() == 1);
+  }
 }
 
 }  // namespace known_person_test
