@@ -111,6 +111,26 @@ TEST_CASE(
   CHECK(places() == before);
 }
 
+TEST_CASE("a new track that cannot begin leaves nothing to the search after it") {
+  FakeFaces fake(film());
+  fake.covered_frames = 10;
+  fake.restless_px = 200;  // the second look has the face outside of the frame
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  std::size_t k = 0;
+  for (; fake.steps < 2 * fake.steps_an_alignment; ++k) {
+    REQUIRE(k < kFrames - 10);
+    CHECK_FALSE(update(tracker.object, film(), k).is_searching);
+  }
+  fake.blind_from = 0;
+  for (const std::size_t end = k + 4; k < end; ++k) CHECK(update(tracker.object, film(), k).is_searching);
+  fake.blind_from = kFrames;
+  fake.restless_px = 0;
+  const FrameResult result = update(tracker.object, film(), k);
+  CHECK(result.state == TrackState::tracking);
+  CHECK(result.inliers > limits_with_looks().patches / 2);
+  CHECK(tracker->track_number() == 2);
+}
+
 TEST_CASE("a track that begins anew is the same whatever the origin of time") {
   constexpr std::size_t kChange = 12;
   // \param is_covered  a second look begins the track; else bad frames in a row, whose picture is a negative.
