@@ -5,6 +5,7 @@
 
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
+#include "track/realignment.hpp"
 
 namespace found_track_test {
 
@@ -109,6 +110,23 @@ TEST_CASE(
   REQUIRE(tracker->track_number() == 2);
   REQUIRE(tracker->person_number() == 2);
   CHECK(places() == before);
+}
+
+TEST_CASE("aligned frames begin no new track, however many there are, where good ones come between them") {
+  FakeFaces fake(film());
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  for (std::size_t k = 0; k < kFrames; ++k) {
+    std::vector<std::uint8_t> pixels = film().frames[k];
+    if (k >= 10 && k % 3 != 0)
+      for (std::uint8_t& grey : pixels) grey = static_cast<std::uint8_t>(255 - grey);
+    FrameView view = film().view(k);
+    view.data = pixels.data();
+    FrameResult result;
+    REQUIRE(tracker->update(view, &result) == Status::ok);
+    CHECK(result.state == TrackState::tracking);
+  }
+  CHECK(fake.refinements > kRealignmentTuning.most_frames);
+  CHECK(tracker->track_number() == 1);
 }
 
 TEST_CASE("a new track that cannot begin leaves nothing to the search after it") {
