@@ -10,7 +10,7 @@ namespace pliant {
 struct Camera {
   float f = 0, cx = 0, cy = 0;  ///< focal length and principal point, px
   float k1 = 0, k2 = 0;         ///< radial distortion, OpenCV's first two coefficients
-  float aspect = 1;             ///< focal length along y over that along x
+  float aspect = 1;             ///< focal length along y over that along x, 0.5 to 2
 };
 
 /// Focal length of an unknown camera over the larger side of its image: 39 degrees of view. Not tuned.

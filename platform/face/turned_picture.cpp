@@ -1,6 +1,7 @@
 #include "face/turned_picture.hpp"
 
 #include "base/integers.hpp"
+#include "camera/pixel_aspect.hpp"
 #include "vision/bilinear.hpp"
 
 namespace pliant {
@@ -44,7 +45,7 @@ void TurnedPicture::lay_out(Arena& arena, int width, int height) {
 
 void TurnedPicture::draw(const FrameView& frame, int eighths, float aspect) {
   PLIANT_ASSERT(eighths >= 0 && eighths < kTurnsOfPicture && frame.width >= 2 && frame.height >= 2);
-  PLIANT_ASSERT(aspect >= 0.5f && aspect <= 2);
+  PLIANT_ASSERT(is_aspect(aspect));
   frame_middle_ = middle_of(frame);
   scale_ = {max(1 / aspect, 1), max(aspect, 1)};
   const int width = static_cast<int>(static_cast<float>(frame.width) / scale_.x),

@@ -1,6 +1,8 @@
 // Radial distortion (Brown's polynomial with two coefficients, as in OpenCV) and its inverse.
 #include "pliant/lens.hpp"
 
+#include "camera/pixel_aspect.hpp"
+
 namespace pliant {
 
 namespace {
@@ -62,7 +64,7 @@ float Lens::undistorted_radius(float seen) const {
 Status Lens::make(const Camera& camera, int width, int height, Lens* lens) {
   if (lens == nullptr || width <= 0 || height <= 0 || !(camera.f > 0) || !is_finite(camera.f) ||
       !is_finite(Vec2{camera.cx, camera.cy}) || !is_finite(Vec2{camera.k1, camera.k2}) ||
-      !(camera.aspect >= 0.5f && camera.aspect <= 2))
+      !is_aspect(camera.aspect))
     return Status::bad_argument;
   Lens made;
   made.camera_ = camera;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "camera/pixel_aspect.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
@@ -184,9 +185,10 @@ Calibration parse_calibration(const std::string& source, const std::string& text
   Camera& camera = out.camera;
   camera.f = static_cast<float>(scale * m[0]);
   camera.aspect = static_cast<float>(m[4] / m[0]);
-  if (!(camera.aspect >= 0.5f && camera.aspect <= 2))
+  if (!is_aspect(camera.aspect))
     fail_input(source, "'camera_matrix' has fy / fx = " + number_text(m[4] / m[0]) +
-                           ": pixels are supported where it is 0.5 to 2");
+                           ": pixels are supported where it is " + number_text(double{kLeastAspect}) +
+                           " to " + number_text(double{kMostAspect}));
   // Pixel centres are at integers, so the scale has its fixed point at the picture's corner (-0.5, -0.5).
   camera.cx = static_cast<float>(scale * (m[2] + 0.5) - 0.5);
   camera.cy = static_cast<float>(scale * (m[5] + 0.5) - 0.5);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "camera/pixel_aspect.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/json.hpp"
@@ -145,7 +146,7 @@ FitFile parse_fit(const std::string& source, const std::string& text) {
   fit.camera = {camera.number("f", 1e-3f, 1e7f), camera.number("cx"), camera.number("cy")};
   if (camera.find("k1") != nullptr) fit.camera.k1 = camera.number("k1");
   if (camera.find("k2") != nullptr) fit.camera.k2 = camera.number("k2");
-  if (camera.find("aspect") != nullptr) fit.camera.aspect = camera.number("aspect", 0.5f, 2);
+  if (camera.find("aspect") != nullptr) fit.camera.aspect = camera.number("aspect", kLeastAspect, kMostAspect);
   Lens lens;
   if (Lens::make(fit.camera, fit.width, fit.height, &lens) != Status::ok)
     fail_input(root.where("camera"), "has a lens that cannot be inverted over the whole picture");
