@@ -24,10 +24,6 @@ int part_of_landmark(int number) {
 
 namespace {
 
-constexpr std::size_t padded(std::size_t bytes) {
-  return (bytes + 3) / 4 * 4;
-}
-
 static_assert(sizeof(AlignerHeader) == 20 && sizeof(AlignerStage) == 20 && sizeof(AlignerCurve) == 88);
 
 bool is_valid(const AlignerCurve& c) {
@@ -67,10 +63,6 @@ bool is_valid(const LocalWeights& w, std::size_t landmarks) {
 bool is_valid(const GlobalWeights& w, std::size_t components, std::size_t landmarks) {
   return are_within(w.scale, components, 0, 1e3f) && are_within(w.bias, components, -1e3f, 1e3f) &&
          are_within(w.mean, 2 * landmarks, -1e3f, 1e3f) && are_information(w.information, landmarks);
-}
-
-bool fits(std::uint32_t first, std::size_t count, std::size_t total) {
-  return first % 4 == 0 && first <= total && count <= total - first;
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ bool is_valid(const PartRecord& p) {
 std::size_t part_weight_bytes(const PartRecord& p) {
   std::size_t rows = 0;
   for (std::size_t k = 0; k < p.stage_count; ++k) rows += 2 * p.point_count * part_bytes(p, k);
-  return p.point_count * (5u + 4u * p.stage_count) * sizeof(float) + (rows + 3) / 4 * 4;
+  return p.point_count * (5u + 4u * p.stage_count) * sizeof(float) + padded(rows);
 }
 
 Status PartTable::open(Span<const std::uint8_t> bytes, PartTable* table) {
@@ -76,8 +76,7 @@ Status PartTable::open(Span<const std::uint8_t> bytes, PartTable* table) {
   out.parts_ = {reinterpret_cast<const PartRecord*>(bytes.data + sizeof(PartHeader)), parts};
   for (std::size_t k = 0; k < parts; ++k) {
     const PartRecord& p = out.parts_[k];
-    if (!is_valid(p) || p.first_byte % 4 != 0 || p.first_byte > total ||
-        part_weight_bytes(p) > total - p.first_byte || !are_valid(out, k))
+    if (!is_valid(p) || !fits(p.first_byte, part_weight_bytes(p), total) || !are_valid(out, k))
       return Status::bad_table;
   }
   *table = out;

@@ -15,6 +15,15 @@ struct TableForm {
 /// \return not_found (no bytes), misaligned, truncated, bad_magic, bad_version, bad_table (the length), bad_checksum.
 Status check_table(Span<const std::uint8_t> bytes, const TableForm& form, bool is_summed = false);
 
+/// Bytes of an array in a table: the next one begins at a multiple of 4.
+constexpr std::size_t padded(std::size_t bytes) {
+  return (bytes + 3) / 4 * 4;
+}
+/// Whether `count` bytes from `first` on, which must be a multiple of 4, are in a table of `total` bytes.
+constexpr bool fits(std::uint32_t first, std::size_t count, std::size_t total) {
+  return first % 4 == 0 && first <= total && count <= total - first;
+}
+
 /// Whether all values are in [low, high]. False for NaN.
 bool are_within(const float* x, std::size_t count, float low, float high);
 
