@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "model/table_check.hpp"
+#include "model/chart.hpp"
 
 namespace pliant {
 
@@ -39,7 +39,7 @@ Status SpringTable::open(Span<const std::uint8_t> section, SpringTable* table) {
       {static_cast<const Vec2*>(static_cast<const void*>(first)), points},
       {static_cast<const Spring*>(static_cast<const void*>(first + points * sizeof(Vec2))), springs}};
   for (const Vec2& uv : found.points)
-    if (!are_within(&uv.x, 2, 0, 1)) return Status::bad_table;
+    if (!is_in_chart(uv)) return Status::bad_table;
   for (const Spring& s : found.springs)
     if (!is_sound(s, points)) return Status::bad_table;
   *table = found;

@@ -1,12 +1,10 @@
 #include "estimate/surface_points.hpp"
 
+#include "model/chart.hpp"
+
 namespace pliant {
 
 namespace {
-
-bool is_in_chart(Vec2 uv) {
-  return uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1;
-}
 
 /// Unit vector perpendicular to v, clockwise on the screen; zero for zero.
 Vec2 perpendicular(Vec2 v) {

@@ -9,6 +9,7 @@
 #include "fit/fold_over_guard.hpp"
 #include "fit/other_solutions.hpp"
 #include "fit/silhouette_matcher.hpp"
+#include "model/chart.hpp"
 #include "pliant/lens.hpp"
 
 namespace pliant {
@@ -48,8 +49,7 @@ Status check_points(Span<const Correspondence> points, const FitOptions& options
     return Status::bad_argument;
   for (const Correspondence& c : points) {
     const bool is_near = magnitude(c.x.x) <= kFarthestPx && magnitude(c.x.y) <= kFarthestPx;
-    if (!is_near || !is_finite(c.uv) || !is_finite(c.sd_px) || !(c.sd_px > 0)) return Status::bad_argument;
-    if (c.uv.x < 0 || c.uv.x > 1 || c.uv.y < 0 || c.uv.y > 1) return Status::bad_argument;
+    if (!is_near || !is_in_chart(c.uv) || !is_finite(c.sd_px) || !(c.sd_px > 0)) return Status::bad_argument;
   }
   return Status::ok;
 }

@@ -1,6 +1,6 @@
 #include "pliant/model.hpp"
 
-#include "model/table_check.hpp"
+#include "model/chart.hpp"
 #include "model/table_reader.hpp"
 
 namespace pliant {
@@ -43,7 +43,7 @@ std::uint16_t Model::find_landmark(const char* name) const {
 }
 
 bool Model::is_on_surface(Vec2 uv) const {
-  if (!is_open() || !are_within(&uv.x, 2, 0, 1)) return false;
+  if (!is_open() || !is_in_chart(uv)) return false;
   const auto i = static_cast<std::size_t>(uv.x * static_cast<float>(contents_.mask.width - 1) + 0.5f);
   const auto j = static_cast<std::size_t>(uv.y * static_cast<float>(contents_.mask.height - 1) + 0.5f);
   return contents_.mask.pixels[j * contents_.mask.width + i] != 0;

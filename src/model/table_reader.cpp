@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "model/chart.hpp"
 #include "model/field_sampling.hpp"
 #include "model/table_check.hpp"
 
@@ -40,7 +41,7 @@ bool are_bounded(const float* x, std::size_t n) {
 
 bool are_in_chart(Span<const Vec2> uv) {
   for (const Vec2& p : uv)
-    if (!are_within(&p.x, 2, 0, 1)) return false;
+    if (!is_in_chart(p)) return false;
   return true;
 }
 
@@ -208,7 +209,7 @@ struct TableReader {
   bool check_names() const {
     if (contents.landmarks.count > table::kMaxLandmarks) return false;
     for (const Landmark& l : contents.landmarks)
-      if (!is_name(l.name) || !are_within(&l.u, 2, 0, 1)) return false;
+      if (!is_name(l.name) || !is_in_chart(l.uv())) return false;
     if (!are_in_chart(contents.curve_points)) return false;
     for (const Curve& c : contents.curves) {
       const std::size_t points = contents.curve_points.count;

@@ -10,6 +10,7 @@
 #include "host/io/bounding_box.hpp"
 #include "host/io/numbers.hpp"
 #include "host/io/track_table.hpp"
+#include "model/chart.hpp"
 #include "model/table_reader.hpp"
 
 namespace pliant::host::bake {
@@ -62,7 +63,7 @@ void check_source(const Source& source, const std::string& file) {
          std::to_string(table::kMaxLandmarks));
   for (std::size_t k = 0; k < source.landmarks.size(); ++k) {
     const SourceLandmark& l = source.landmarks[k];
-    if (!(l.uv.x >= 0 && l.uv.x <= 1 && l.uv.y >= 0 && l.uv.y <= 1))
+    if (!is_in_chart(l.uv))
       fail("the landmark '" + l.name + "' lies outside the chart");
     for (std::size_t i = 0; i < k; ++i)
       if (source.landmarks[i].name == l.name) fail("the landmark '" + l.name + "' appears twice");

@@ -5,6 +5,7 @@
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
+#include "model/chart.hpp"
 
 namespace pliant::host {
 
@@ -18,8 +19,7 @@ std::optional<Vec2> parse_uv(const CsvTable& table, std::size_t row) {
   if (has_u != has_v) fail_input(table.where(row), "only one of u and v is given");
   if (!has_u) return std::nullopt;
   const Vec2 uv{table.number(row, *u), table.number(row, *v)};
-  if (!(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1))
-    fail_input(table.where(row), "u or v is not between 0 and 1");
+  if (!is_in_chart(uv)) fail_input(table.where(row), "u or v is not between 0 and 1");
   return uv;
 }
 
