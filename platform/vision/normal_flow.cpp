@@ -1,7 +1,7 @@
 #include "vision/normal_flow.hpp"
 
+#include "base/symmetric.hpp"
 #include "vision/patch_tuning.hpp"
-#include "vision/structure_tensor.hpp"
 
 namespace pliant {
 
@@ -25,7 +25,7 @@ int measure(const patch::Measurement& m, Vec2 along, float noise, Sym2* informat
     if (e.smallest >= least && e.smallest > kPatchTuning.edge_eigenvalue_ratio * e.largest) return 2;
     along = strongest_direction(m.information, e.smallest);
   }
-  const float v = s.xx * along.x * along.x + 2 * s.xy * along.x * along.y + s.yy * along.y * along.y;
+  const float v = quadratic_form(s, along);
   // Of a search that an edge has confined only this counts: the largest eigenvalue is of what is added along the edge (confine).
   if (v < least - noise_part) return 0;
   // (v^-1 noise + floor^2)^-1, in this direction only.

@@ -8,6 +8,7 @@
 // rounded. The image is sampled on a grid of 1/128 px; the remainder of the position is part of the solved step.
 #include "vision/patch_align.hpp"
 
+#include "base/symmetric.hpp"
 #include "vision/patch_sums.hpp"
 #include "vision/patch_window.hpp"
 
@@ -42,11 +43,7 @@ TranslationSystem system_of(const Template& a, int count) {
 
 bool make_solvable(TranslationSystem& s, int window, bool accepts_edges) {
   if (!is_usable({s.n, s.variance_sum, s.tensor}, window, accepts_edges, s.along)) return false;
-  if (is_edge(s.along)) {
-    const float largest = s.tensor.xx * s.along.x * s.along.x + 2 * s.tensor.xy * s.along.x * s.along.y +
-                          s.tensor.yy * s.along.y * s.along.y;
-    confine(s.tensor, s.along, largest);
-  }
+  if (is_edge(s.along)) confine(s.tensor, s.along, quadratic_form(s.tensor, s.along));
   return true;
 }
 

@@ -1,5 +1,6 @@
 #include "vision/patch_result.hpp"
 
+#include "base/symmetric.hpp"
 #include "vision/normal_flow.hpp"
 #include "vision/patch_tuning.hpp"
 
@@ -59,7 +60,7 @@ void describe(const Measurement& m, Vec2 along, const NormalFlow* flow, PatchRes
 float informed_distance(Vec2 d, const PatchResult& r) {
   const Sym2& s = r.information;
   if (r.rank == 2) return length(d);
-  return square_root((s.xx * d.x * d.x + 2 * s.xy * d.x * d.y + s.yy * d.y * d.y) / (s.xx + s.yy));
+  return square_root(quadratic_form(s, d) / (s.xx + s.yy));
 }
 
 PatchStatus judge(const PatchResult& r, Vec2 start, const PatchOptions& o) {

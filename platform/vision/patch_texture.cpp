@@ -1,8 +1,8 @@
 #include "vision/patch_texture.hpp"
 
+#include "base/symmetric.hpp"
 #include "vision/patch_arrays.hpp"
 #include "vision/patch_tuning.hpp"
-#include "vision/structure_tensor.hpp"
 
 namespace pliant::patch {
 

@@ -1,5 +1,7 @@
 #include "estimate/observation_rows.hpp"
 
+#include "base/symmetric.hpp"
+
 namespace pliant {
 
 namespace {
@@ -9,8 +11,9 @@ constexpr const ObservationRowsTuning& kTuning = kObservationRowsTuning;
 /// Median of a Rayleigh variable, sqrt(2 ln 2), over that of a half-normal one, 0.67449.
 constexpr float kLineToPlane = 1.74559f, kPerSquare = 1 / (kLineToPlane * kLineToPlane);
 
-float mahalanobis(Sym2 w, Vec2 r) {
-  return square_root(w.xx * r.x * r.x + 2 * w.xy * r.x * r.y + w.yy * r.y * r.y);
+/// Length of a residual in standard deviations; of a line, times that ratio. Not inlined, for the sake of code size.
+[[gnu::noinline]] float whitened_length(const Sym2& w, Vec2 r, bool is_line) {
+  return square_root(quadratic_form(w, r)) * (is_line ? kLineToPlane : 1.0f);
 }
 
 /// W (I + s^2 W)^-1: the information after an error with standard deviation s is added. Keeps rank one.
@@ -108,7 +111,7 @@ void ObservationRows::measure(std::size_t k, Vec2 x) {
   ObservationRow& r = rows_[k];
   if (r.count == 1 && observations_[r.first].reason == Reason::found) {  // the usual case
     residuals_[k] = observations_[r.first].x - x;
-    lengths_[k] = mahalanobis(information_[k], residuals_[k]) * (r.is_line ? kLineToPlane : 1.0f);
+    lengths_[k] = whitened_length(information_[k], residuals_[k], r.is_line);
     return;
   }
   float best = -1;
@@ -116,7 +119,7 @@ void ObservationRows::measure(std::size_t k, Vec2 x) {
     const Observation& o = observations_[static_cast<std::size_t>(r.first) + i];
     if (o.reason != Reason::found) continue;
     const Sym2 w = r.count == 1 ? information_[k] : information_of(o);
-    const float length = mahalanobis(w, o.x - x) * (r.is_line ? kLineToPlane : 1.0f);
+    const float length = whitened_length(w, o.x - x, r.is_line);
     if (best >= 0 && length >= best) continue;
     best = length;
     r.chosen = i;
@@ -156,7 +159,7 @@ float ObservationRows::squared_px(std::size_t k) const {
   const Sym2 w = information_[k];
   const Vec2 r = residuals_[k];
   if (!rows_[k].is_line) return dot(r, r);
-  return (w.xx * r.x * r.x + 2 * w.xy * r.x * r.y + w.yy * r.y * r.y) / (w.xx + w.yy);
+  return quadratic_form(w, r) / (w.xx + w.yy);
 }
 
 void ObservationRows::update_cue_scales() {

@@ -3,6 +3,7 @@
 
 #include "base/arrays.hpp"
 #include "base/integers.hpp"
+#include "base/symmetric.hpp"
 #include "fit/fit_problem.hpp"
 #include "fit/fit_start.hpp"
 #include "fit/fit_tuning.hpp"
@@ -70,10 +71,10 @@ bool lie_on_a_line(Span<const Correspondence> points) {
     spread.xy += fraction * d.x * d.y;
     spread.yy += fraction * d.y * d.y;
   }
-  const float half = 0.5f * (spread.xx + spread.yy), off = 0.5f * (spread.xx - spread.yy);
-  const float root = square_root(off * off + spread.xy * spread.xy);
-  const float least = max(kFitTuning.line_sds * sd, kFitTuning.line_fraction * square_root(half + root));
-  return half - root <= least * least;
+  const Eigenvalues across_and_along = eigenvalues(spread);
+  const float least =
+      max(kFitTuning.line_sds * sd, kFitTuning.line_fraction * square_root(across_and_along.largest));
+  return across_and_along.smallest <= least * least;
 }
 
 bool has_silhouette_points(Span<const Correspondence> points) {

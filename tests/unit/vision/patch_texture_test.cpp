@@ -5,9 +5,9 @@
 
 #include <cmath>
 
+#include "base/symmetric.hpp"
 #include "vision/patch_arrays.hpp"
 #include "vision/patch_tuning.hpp"
-#include "vision/structure_tensor.hpp"
 
 namespace patch_texture_test {
 

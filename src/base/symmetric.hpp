@@ -1,8 +1,13 @@
 #pragma once
-// Eigenvalues and eigenvectors of a structure tensor.
+// Symmetric 2 x 2 matrices: information and structure tensors.
 #include "pliant/geometry.hpp"
 
 namespace pliant {
+
+/// v^T S v.
+constexpr float quadratic_form(const Sym2& s, Vec2 v) {
+  return s.xx * v.x * v.x + 2 * s.xy * v.x * v.y + s.yy * v.y * v.y;
+}
 
 /// Eigenvalues of a symmetric matrix.
 struct Eigenvalues {
