@@ -20,9 +20,10 @@ bool are_variances(const float* x, std::size_t count) {
   return true;
 }
 
-MotionState at_rest(float acceleration) {
+/// Forgets the velocity. The variance of the value stays.
+void stop(MotionState& s, float acceleration) {
   const float speed = kMotionTuning.start_time * acceleration;
-  return {0, 0, 0, speed * speed};
+  s = {0, s.xx, 0, speed * speed};
 }
 
 /// x += T v, v decays; the acceleration adds the process noise Q (docs/algorithms.md, section 7.10).
@@ -41,8 +42,8 @@ float correct_state(MotionState& s, float innovation, float variance, float acce
   if (!(all > 0)) return innovation;
   if (innovation * innovation >
       gate * gate * all) {  // a jump: the old velocity does not apply to the new place
-    s = at_rest(acceleration);
     s.xx = variance;
+    stop(s, acceleration);
     return innovation;
   }
   const float gain = s.xx / all, speed_gain = s.xv / all;
@@ -97,24 +98,15 @@ Status MotionFilter::start(const View& view, const float* q, const float* range,
 
 void MotionFilter::move_to(const View& view, const float* q) {
   view_ = view;
-  for (int k = 0; k < kPoseUnknowns; ++k) pose_[k] = at_rest(acceleration(k));
-  for (std::size_t i = 0; i < count_; ++i) {
-    q_[i] = q[i];
-    states_[i] = at_rest(kMotionTuning.parameter_acceleration * range_[i]);
-  }
+  copy(q, count_, q_);
+  for (MotionState& s : pose_) s = {};
+  for (std::size_t i = 0; i < count_; ++i) states_[i] = {};
+  forget_velocities();
 }
 
 void MotionFilter::forget_velocities() {
-  for (int k = 0; k < kPoseUnknowns; ++k) {
-    const float variance = pose_[k].xx;
-    pose_[k] = at_rest(acceleration(k));
-    pose_[k].xx = variance;
-  }
-  for (std::size_t i = 0; i < count_; ++i) {
-    const float variance = states_[i].xx;
-    states_[i] = at_rest(kMotionTuning.parameter_acceleration * range_[i]);
-    states_[i].xx = variance;
-  }
+  for (int k = 0; k < kPoseUnknowns; ++k) stop(pose_[k], acceleration(k));
+  for (std::size_t i = 0; i < count_; ++i) stop(states_[i], kMotionTuning.parameter_acceleration * range_[i]);
 }
 
 void MotionFilter::predict(float seconds) {
