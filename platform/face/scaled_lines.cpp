@@ -50,10 +50,8 @@ void ScaledLines::add_line(const std::uint8_t* from, int x, int count, std::uint
   unsigned begin = static_cast<unsigned>(x) * ratio;
   for (int k = 0; k < count; ++k) {
     const unsigned end = begin + ratio;
-    const std::uint8_t *p = from + static_cast<int>(begin / kOne) * step, *const last =
-                                                                              from +
-                                                                              static_cast<int>(end / kOne) *
-                                                                                  step;
+    const std::uint8_t* p = from + static_cast<int>(begin / kOne) * step;
+    const std::uint8_t* const last = from + static_cast<int>(end / kOne) * step;
     unsigned whole = 0;
     const unsigned part = *p * (kOne - begin % kOne);
     for (p += step; p < last; p += step) whole += *p;

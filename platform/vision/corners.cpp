@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "base/integers.hpp"
 #include "vision/corner_grid.hpp"
 #include "vision/corner_scores.hpp"
 
@@ -42,7 +43,7 @@ void lay_out(Arena& arena, int width, int height, int cell_px, Grid& g, corners:
   g.cells = arena.take<Cell>(n);
   g.order = arena.take<std::int32_t>(n);
   g.is_taken = arena.take<std::uint8_t>(n);
-  const int scored = width > 2 * kCornerMargin ? width - 2 * kCornerMargin : 0;
+  const int scored = larger(width - 2 * kCornerMargin, 0);
   for (auto& row : g.rows) row = arena.take<float>(static_cast<std::size_t>(scored) + 2);
   g.peaks = arena.take<float>(static_cast<std::size_t>(scored));
   scorer.lay_out(arena, scored);
@@ -55,12 +56,11 @@ Box box_of(const ImageView& image, const Grid& g, Span<const std::uint8_t> allow
     for (int cx = 0; cx < g.width; ++cx) {
       if (!allowed.empty() && allowed[static_cast<std::size_t>(cy * g.width + cx)] == 0) continue;
       const int x = cx * g.cell_px, y = cy * g.cell_px;
-      b = {x < b.left ? x : b.left, y < b.top ? y : b.top, x + g.cell_px > b.right ? x + g.cell_px : b.right,
-           y + g.cell_px > b.bottom ? y + g.cell_px : b.bottom};
+      b = {smaller(b.left, x), smaller(b.top, y), larger(b.right, x + g.cell_px),
+           larger(b.bottom, y + g.cell_px)};
     }
-  const int low = kCornerMargin, right = image.width - low, bottom = image.height - low;
-  return {b.left < low ? low : b.left, b.top < low ? low : b.top, b.right > right ? right : b.right,
-          b.bottom > bottom ? bottom : b.bottom};
+  return {larger(b.left, kCornerMargin), larger(b.top, kCornerMargin),
+          smaller(b.right, image.width - kCornerMargin), smaller(b.bottom, image.height - kCornerMargin)};
 }
 
 // peak[x] = here[x] where that is a maximum over 3 x 3 pixels and at least `least`, otherwise 0. A maximum is more

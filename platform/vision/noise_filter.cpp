@@ -13,10 +13,6 @@ namespace {
 constexpr const NoiseTuning& kTuning = kNoiseTuning;
 constexpr int kTaps = 5;
 
-int inside(int x, int count) {
-  return x < 0 ? 0 : x < count ? x : count - 1;
-}
-
 PLIANT_WIDE_VECTORS
 void smooth_planar(const std::uint8_t* __restrict row, int width, std::uint16_t* __restrict out) {
   for (int x = 2; x + 2 < width; ++x)
@@ -26,7 +22,7 @@ void smooth_planar(const std::uint8_t* __restrict row, int width, std::uint16_t*
 /// Along a line. The border's pixels count for those beyond.
 void smooth_line(const std::uint8_t* row, int step, int width, std::uint16_t* out) {
   const auto smooth_at = [&](int x) {
-    const auto pixel = [&](int k) { return row[inside(x + k, width) * step]; };
+    const auto pixel = [&](int k) { return row[within(x + k, 0, width - 1) * step]; };
     out[x] = static_cast<std::uint16_t>(binomial_sum(pixel(-2), pixel(-1), pixel(0), pixel(1), pixel(2)));
   };
   if (step == 1)
@@ -71,7 +67,7 @@ const FrameView& NoiseFilter::smoothed(const FrameView& frame) {
 void NoiseFilter::smooth(const FrameView& frame) {
   const int width = frame.width, height = frame.height;
   const auto line = [&](int y) {
-    return lines_ + static_cast<std::ptrdiff_t>(inside(y, height) % kTaps) * width;
+    return lines_ + static_cast<std::ptrdiff_t>(within(y, 0, height - 1) % kTaps) * width;
   };
   const auto read = [&](int y) {
     smooth_line(frame.data + static_cast<std::size_t>(y) * frame.stride_bytes, frame.pixel_step_bytes, width,

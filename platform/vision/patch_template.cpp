@@ -29,8 +29,10 @@ void copy_square(const ImageView& image, int left, int top, int rows, int column
   for (int y = 0; y < rows; ++y, out += columns) {
     const std::uint8_t* row =
         image.data + std::ptrdiff_t{within(top + y, 0, image.height - 1)} * image.stride;
-    if (is_whole) std::memcpy(out, row + left, static_cast<std::size_t>(columns));
-    if (!is_whole) copy_row(row, image.width, left, columns, out);
+    if (is_whole)
+      std::memcpy(out, row + left, static_cast<std::size_t>(columns));
+    else
+      copy_row(row, image.width, left, columns, out);
   }
 }
 
