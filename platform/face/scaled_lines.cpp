@@ -15,7 +15,7 @@ ScaledLines::ScaledLines(const FrameView& frame, int ratio)
       ratio_(ratio),
       width_(frame.width * kUnit / ratio),
       height_(frame.height * kUnit / ratio) {
-  PLIANT_ASSERT(check(frame) == Status::ok && frame.width <= 8192 && frame.height <= 8192);
+  PLIANT_ASSERT(check(frame) == Status::ok && frame.width <= kLargestFramePx && frame.height <= kLargestFramePx);
   PLIANT_ASSERT(ratio >= kUnit && ratio <= kLargestRatio);
 }
 

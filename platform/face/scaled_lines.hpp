@@ -2,6 +2,7 @@
 // A frame at a smaller size, line by line, without memory for the whole.
 #include <cstdint>
 
+#include "pliant/face_detector.hpp"
 #include "pliant/frame.hpp"
 
 namespace pliant {
@@ -12,11 +13,12 @@ namespace pliant {
 class ScaledLines {
  public:
   static constexpr int kUnit = 256;                    ///< of ratios: pixels of the frame a pixel, times 256
-  static constexpr int kLargestAreaRatio = 4 * kUnit;      ///< up to which a pixel is the mean of all
-  static constexpr int kLargestRatio = 8192 / 32 * kUnit;  ///< of the largest frame reduced to 32 px
+  static constexpr int kLargestAreaRatio = 4 * kUnit;  ///< up to which a pixel is the mean of all
+  static constexpr int kLargestRatio =
+      kLargestFramePx / 32 * kUnit;  ///< of the largest frame reduced to 32 px
 
   ScaledLines() = default;
-  /// \pre The frame is readable and has at most 8192 x 8192 pixels; kUnit <= ratio <= kLargestRatio.
+  /// \pre The frame is readable and has at most kLargestFramePx pixels a side; kUnit <= ratio <= kLargestRatio.
   ScaledLines(const FrameView& frame, int ratio);
 
   int width() const { return width_; }    ///< Whole pixels a line; may be 0.

@@ -30,7 +30,7 @@ int turn_of(const Quat& rotation);
 struct TurnedSize {
   int width, height;
 };
-/// \param width, height  of the frame, px, each at most 8192. \param eighths  0 to 7.
+/// \param width, height  of the frame, px, each at most kLargestFramePx. \param eighths  0 to 7.
 TurnedSize turned_size(int width, int height, int eighths);
 
 /// A frame, turned about its middle, in as many pixels as the frame has or a few less: a quarter of a turn swaps width and height;
@@ -44,7 +44,7 @@ class TurnedPicture {
 
   /// Draws a frame. \param eighths  0 to 7: faces are upright that are turned clockwise by so many eighths of a turn.
   /// \param aspect  as Camera::aspect, 0.5 to 2.
-  /// \pre The frame is readable, has at most as many pixels as the layout's, and at most 8192 a side.
+  /// \pre The frame is readable, has at most as many pixels as the layout's, and at most kLargestFramePx a side.
   void draw(const FrameView& frame, int eighths, float aspect = 1);
   /// The picture last drawn, with time and number of its frame.
   const FrameView& view() const { return view_; }

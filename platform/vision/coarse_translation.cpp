@@ -5,6 +5,7 @@
 #include "base/integers.hpp"
 #include "base/wide_vectors.hpp"
 #include "vision/coarse_translation_tuning.hpp"
+#include "vision/largest_side.hpp"
 #include "vision/parabola.hpp"
 
 namespace pliant {
@@ -13,10 +14,9 @@ namespace {
 
 constexpr CoarseTranslationTuning kTuning = kCoarseTranslationTuning;
 
-constexpr int kMostSide =
-    16384;  // px, as that of frames: with it and kTuning.max_pixels the sums of squares fit 32 bits
 
-/// Of grey levels a of the reference and b of the image.
+/// Of grey levels a of the reference and b of the image. Of kLargestSidePx and kTuning.max_pixels the sums of squares fit 32
+/// bits.
 struct Sums {
   std::int32_t n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 };
@@ -188,7 +188,7 @@ CoarseTranslation find_coarse_translation(const ImageView& reference, const Pixe
                                           const ImageView& current, int range_px, const Vec2* expected) {
   if (check(reference) != Status::ok || check(current) != Status::ok || range_px < 0) return {};
   if (reference.width != current.width || reference.height != current.height) return {};
-  if (reference.width > kMostSide || reference.height > kMostSide) return {};
+  if (reference.width > kLargestSidePx || reference.height > kLargestSidePx) return {};
   const PixelBox inside = clipped(box, reference);
   if (inside.x1 - inside.x0 < kTuning.min_side_px || inside.y1 - inside.y0 < kTuning.min_side_px) return {};
   range_px = smaller(range_px, larger(reference.width, reference.height));  // beyond, nothing overlaps

@@ -7,14 +7,13 @@
 #include "base/integers.hpp"
 #include "vision/corner_grid.hpp"
 #include "vision/corner_scores.hpp"
+#include "vision/largest_side.hpp"
 
 namespace pliant {
 namespace {
 
 using corners::Cell;
 using corners::Grid;
-
-constexpr int kMaxSide = 16384;
 
 // Whether a comes before b: a higher score; if equal, the lower y; if equal, the lower x.
 bool is_before(const Cell& a, const Cell& b) {
@@ -28,7 +27,7 @@ bool is_valid(const CornerOptions& o) {
 }
 
 bool is_size(int width, int height) {
-  return width > 0 && height > 0 && width <= kMaxSide && height <= kMaxSide;
+  return width > 0 && height > 0 && width <= kLargestSidePx && height <= kLargestSidePx;
 }
 
 struct Box {

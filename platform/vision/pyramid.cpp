@@ -8,17 +8,17 @@
 #include "base/wide_vectors.hpp"
 #include "vision/binomial.hpp"
 #include "vision/halfwords.hpp"
+#include "vision/largest_side.hpp"
 
 namespace pliant {
 namespace {
 
-constexpr int kMaxSide = 16384;
 constexpr int kBorder = 2;      // taps beyond the border on either side
 constexpr int kLineOffset = 8;  // where a line starts, so that its pixels are aligned
 
 bool is_valid(const PyramidLimits& l) {
-  return l.width >= Pyramid::kMinSide && l.width <= kMaxSide && l.height >= Pyramid::kMinSide &&
-         l.height <= kMaxSide && l.levels >= 1 && l.levels <= Pyramid::kMaxLevels;
+  return l.width >= Pyramid::kMinSide && l.width <= kLargestSidePx && l.height >= Pyramid::kMinSide &&
+         l.height <= kLargestSidePx && l.levels >= 1 && l.levels <= Pyramid::kMaxLevels;
 }
 
 // Index i of a row of n >= 3, reflected about the edge pixels; |i| at most kBorder outside.

@@ -71,8 +71,8 @@ std::optional<FoundFace> FaceFinder::align_in(const Image& grey, const DetectedF
 
 std::vector<FoundFace> FaceFinder::find(const Image& grey, const std::string& name, float min_score,
                                         const std::optional<Camera>& camera) {
-  if (grey.width > kMaxSearchedSide || grey.height > kMaxSearchedSide)
-    fail_input(name, "is larger than " + std::to_string(kMaxSearchedSide) + " pixels on a side");
+  if (grey.width > kLargestFramePx || grey.height > kLargestFramePx)
+    fail_input(name, "is larger than " + std::to_string(kLargestFramePx) + " pixels on a side");
   const Image picture = quiet(grey);
   FaceDetectorLimits limits;
   limits.width = static_cast<std::uint16_t>(grey.width);

@@ -20,8 +20,6 @@ struct FoundFace {
   std::vector<Vec2> landmarks;  ///< px, one for each landmark of the model
 };
 
-/// The largest side of a picture that is searched, px.
-constexpr int kMaxSearchedSide = 8192;
 /// Probability that a face has at least, where the user names none. Round value, not tuned: rather right than wrong.
 constexpr float kLeastFaceScore = 0.5f;
 
@@ -33,7 +31,7 @@ class FaceFinder {
 
   /// The faces of a grey picture with a score of at least `min_score`, best first. Where no upright one is found the picture is
   /// searched at the other turns, where a face must be sure (FaceSearchTuning::sure_start_odds). Bad input, with the name of the
-  /// picture: a larger side than kMaxSearchedSide.
+  /// picture: a larger side than kLargestFramePx.
   /// \param name      of the picture, for messages.
   /// \param camera    of the picture, if known.
   std::vector<FoundFace> find(const Image& grey, const std::string& name, float min_score,
