@@ -25,9 +25,9 @@ struct FaceSearchTuning {
   /// is turned in the picture must reach them: the verification has learnt upright text alone. Of 300 pages of text, turned, the
   /// best has 5,000 (docs/experiments.md, Faces at any roll).
   float sure_start_odds = 10000;
+  int doubtful_frames = 3;
   /// Least probability of the contrary, so that odds are finite: 10,000 at most. Round value, not tuned.
   float least_contrary = 1e-4f;
-  int doubtful_frames = 3;
   /// Estimated landmark error, at most, of an alignment with the identity of the last person, fraction of the eyes'
   /// distance. Above it another person is fitted. Round value, not tuned.
   float most_known_error = 0.06f;

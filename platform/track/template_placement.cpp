@@ -23,8 +23,6 @@ CornerOptions corner_options(const TrackerLimits& limits) {
 constexpr std::uint8_t kFailed = 2;
 
 constexpr float kNoFace = 1e30f;
-/// Margin around the image of a face, px: a lens bends its edges. Round value, not tuned.
-constexpr float kBendPx = 1;
 
 bool is_far_from_found(const TemplateStore& templates, Vec2 x, float min_distance) {
   for (std::size_t k = 0; k < templates.count(); ++k) {
@@ -104,7 +102,7 @@ std::size_t TemplatePlacement::mark_free_cells(const TemplateStore& templates, c
 /// The cells that a face's bounding box in the image touches.
 TemplatePlacement::CellBox TemplatePlacement::cells_of(const Estimator& estimator, const FrameRegion& region,
                                                        FaceId face, float margin_px) const {
-  const float per_cell = 1.0f / cell_side();
+  const float per_cell = 1.0f / static_cast<float>(options_.cell_px);
   const auto cell = [per_cell](float x, int count) {
     return static_cast<int>(clamp(x * per_cell, 0, static_cast<float>(count - 1)));
   };
@@ -142,7 +140,7 @@ void TemplatePlacement::find_mesh_under_corners(const Estimator& estimator, cons
   for (FaceId f : mesh.faces()) {
     if (!faces_camera(mesh, image, f)) continue;
     const VertexId v[3] = {mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2)};
-    const CellBox box = cells_of(estimator, region, f, lens.is_none() ? 0 : kBendPx);
+    const CellBox box = cells_of(estimator, region, f, lens.is_none() ? 0 : kTuning.bend_px);
     for (int j = box.j0; j <= box.j1; ++j)
       for (int i = box.i0; i <= box.i1; ++i) {
         const int k = j * across_ + i;

@@ -47,7 +47,6 @@ class TemplatePlacement {
   int cell_of(Vec2 x) const {  // px of the region
     return static_cast<int>(x.y) / options_.cell_px * across_ + static_cast<int>(x.x) / options_.cell_px;
   }
-  float cell_side() const { return static_cast<float>(options_.cell_px); }
 
   CornerOptions options_;
   int across_ = 0, down_ = 0;  // cells

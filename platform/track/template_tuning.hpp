@@ -131,6 +131,9 @@ struct TemplatePlacementTuning {
   float spacing_factor = 0.7f;
   /// Range of that distance, px: two pixels are one corner; find_corners takes at most 256.
   float least_spacing_px = 2, most_spacing_px = 256;
+  /// Margin around the image of a face of the mesh in which corners are under it, px: a lens bends its edges. Round value, not
+  /// tuned.
+  float bend_px = 1;
   /// Ratio of the eigenvalues of a corner's structure tensor, at least. Less than the default of
   /// CornerOptions: most texture of a face is weak, and the information matrix of a match has the direction
   /// in which it is reliable. Not tuned.
