@@ -1,5 +1,6 @@
 #include "track/key_frames.hpp"
 
+#include "base/extent.hpp"
 #include "base/integers.hpp"
 #include "track/tracker_sizes.hpp"
 #include "vision/thumbnail.hpp"
@@ -71,14 +72,10 @@ void KeyFrames::trust(const Estimator& estimator) {
 /// The model's bounding box in the thumbnail.
 PixelBox KeyFrames::box_of(const Estimator& estimator) const {
   const float fraction = 1.0f / static_cast<float>(factor_);
-  Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
-  for (VertexId v : estimator.mesh().vertices()) {
-    const Vec2 x = estimator.vertex_seen(v);
-    low = min(low, x);
-    high = max(high, x);
-  }
+  Extent e;
+  for (VertexId v : estimator.mesh().vertices()) e.include(estimator.vertex_seen(v));
   const auto pixel = [fraction](float x) { return static_cast<int>(clamp(fraction * x, -1e4f, 1e4f)); };
-  return {pixel(low.x), pixel(low.y), pixel(high.x) + 1, pixel(high.y) + 1};
+  return {pixel(e.low.x), pixel(e.low.y), pixel(e.high.x) + 1, pixel(e.high.y) + 1};
 }
 
 Vec2 KeyFrames::middle_of(const Estimator& estimator) const {

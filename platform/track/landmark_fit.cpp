@@ -1,5 +1,6 @@
 #include "track/landmark_fit.hpp"
 
+#include "base/extent.hpp"
 #include "base/integers.hpp"
 #include "model/ibug_names.hpp"
 #include "track/offset_landmarks.hpp"
@@ -7,12 +8,9 @@
 namespace pliant {
 
 float spread_of(Span<const Correspondence> points) {
-  Vec2 low{1e30f, 1e30f}, high{-1e30f, -1e30f};
-  for (const Correspondence& c : points) {
-    low = min(low, c.x);
-    high = max(high, c.x);
-  }
-  return length(high - low);
+  Extent extent;
+  for (const Correspondence& c : points) extent.include(c.x);
+  return length(extent.high - extent.low);
 }
 
 bool is_silhouette_landmark(const char* name) {

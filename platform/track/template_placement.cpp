@@ -1,5 +1,6 @@
 #include "track/template_placement.hpp"
 
+#include "base/extent.hpp"
 #include "pliant/visibility.hpp"
 #include "track/template_tuning.hpp"
 #include "track/tracker_sizes.hpp"
@@ -106,14 +107,11 @@ TemplatePlacement::CellBox TemplatePlacement::cells_of(const Estimator& estimato
   const auto cell = [per_cell](float x, int count) {
     return static_cast<int>(clamp(x * per_cell, 0, static_cast<float>(count - 1)));
   };
-  Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
-  for (int k = 0; k < 3; ++k) {
-    const Vec2 x = estimator.vertex_seen(estimator.mesh().corner(face, k)) - region.origin();
-    low = min(low, x);
-    high = max(high, x);
-  }
-  return {cell(low.x - margin_px, across_), cell(low.y - margin_px, down_), cell(high.x + margin_px, across_),
-          cell(high.y + margin_px, down_)};
+  Extent e;
+  for (int k = 0; k < 3; ++k)
+    e.include(estimator.vertex_seen(estimator.mesh().corner(face, k)) - region.origin());
+  return {cell(e.low.x - margin_px, across_), cell(e.low.y - margin_px, down_),
+          cell(e.high.x + margin_px, across_), cell(e.high.y + margin_px, down_)};
 }
 
 /// Marks the cells under faces of the mesh that turn to the camera; clears the others.

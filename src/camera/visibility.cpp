@@ -1,5 +1,7 @@
 #include "pliant/visibility.hpp"
 
+#include "base/extent.hpp"
+
 namespace pliant {
 
 namespace {
@@ -31,15 +33,12 @@ void DepthBuffer::lay_out(Arena& arena, int cells_across, int cells_down) {
 }
 
 void DepthBuffer::draw(const Mesh& mesh, const Vec2* image, const float* depth) {
-  Vec2 low{kFar, kFar}, high{-kFar, -kFar};
-  for (VertexId v : mesh.vertices()) {
-    if (!(depth[v] > 0)) continue;
-    low = min(low, image[v]);
-    high = max(high, image[v]);
-  }
+  Extent seen;
+  for (VertexId v : mesh.vertices())
+    if (depth[v] > 0) seen.include(image[v]);
   for (int i = 0; i < across_ * down_; ++i) depth_[i] = kFar;
-  const float width = max(high.x - low.x, 1), height = max(high.y - low.y, 1);
-  origin_ = low;
+  const float width = max(seen.high.x - seen.low.x, 1), height = max(seen.high.y - seen.low.y, 1);
+  origin_ = seen.low;
   cells_per_px_ = min(static_cast<float>(across_) / width, static_cast<float>(down_) / height);
   const Vec2 from = origin_;
   const float scale = cells_per_px_;
