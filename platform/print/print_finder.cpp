@@ -67,8 +67,13 @@ struct PosedSurface {
   const Lens* lens;
 };
 
+/// Whether at least this fraction of the visible blocks agrees.
+bool reaches(float fraction, const PrintAgreement& a) {
+  return static_cast<float>(a.agreed) >= fraction * static_cast<float>(a.visible);
+}
+
 bool is_whole(const PrintAgreement& a) {
-  return static_cast<float>(a.agreed) >= kTuning.whole_agreement * static_cast<float>(a.visible);
+  return reaches(kTuning.whole_agreement, a);
 }
 
 bool project_posed(void* state, Vec2 uv, Vec2* x) {
@@ -86,18 +91,15 @@ float print_block_px(float extent_px) {
 }
 
 bool is_accepted(const PrintAgreement& a) {
-  return a.agreed >= kTuning.least_agreed &&
-         static_cast<float>(a.agreed) >= kTuning.least_agreement * static_cast<float>(a.visible);
+  return a.agreed >= kTuning.least_agreed && reaches(kTuning.least_agreement, a);
 }
 
 bool is_promising(const PrintAgreement& a) {
-  return a.agreed > 0 &&
-         static_cast<float>(a.agreed) >= kTuning.least_promise * static_cast<float>(a.visible);
+  return a.agreed > 0 && reaches(kTuning.least_promise, a);
 }
 
 bool is_sure(const PrintAgreement& a) {
-  return a.agreed >= kTuning.sure_agreed &&
-         static_cast<float>(a.agreed) >= kTuning.sure_agreement * static_cast<float>(a.visible);
+  return a.agreed >= kTuning.sure_agreed && reaches(kTuning.sure_agreement, a);
 }
 
 void PrintFinder::lay_out(Arena& arena, const Model& model, int width, int height) {
@@ -135,7 +137,7 @@ Status PrintFinder::search(const FrameView& frame, std::uint32_t work, const Cam
   const std::size_t count =
       find_views({matches_.data, match_count_}, camera, kTuning.vote_fraction * matcher_.table().extent_mm(),
                  {views, kMostViews});
-  if (!fit_views({views, count}, frame, camera, found)) {
+  if (!fit_views({views, count}, {frame, camera}, found)) {
     doubtful_frames_ = 0;
     failed_searches_ = (failed_searches_ + 1) % kPrintTuning.spread_interval;
     return Status::not_found;
@@ -147,12 +149,11 @@ Status PrintFinder::search(const FrameView& frame, std::uint32_t work, const Cam
 }
 
 /// Fits views until nearly all blocks agree, and keeps the best solution of all.
-bool PrintFinder::fit_views(Span<const ViewVotes> views, const FrameView& frame, const Camera& camera,
-                            FoundPrint* found) {
+bool PrintFinder::fit_views(Span<const ViewVotes> views, const Picture& in, FoundPrint* found) {
   Solutions solutions;
   for (std::size_t k = 0; k < views.count && views[k].votes >= kTuning.least_votes; ++k) {
     seed_ = views[k].match;
-    fit_solutions(views[k].view, frame, camera, &solutions);
+    fit_solutions(views[k].view, in, &solutions);
     if (solutions.best.is_accepted && is_clear(solutions) && is_whole(solutions.best.agreement)) break;
   }
   if (!solutions.best.is_accepted) return false;
@@ -200,15 +201,14 @@ void PrintFinder::gather() {
 }
 
 /// Fits a view as it is, and tilted to the other side (mirrored_tilt), where what bent towards the camera may bend away instead.
-void PrintFinder::fit_solutions(const View& start, const FrameView& frame, const Camera& camera,
-                                Solutions* solutions) {
+void PrintFinder::fit_solutions(const View& start, const Picture& in, Solutions* solutions) {
   View rigid = start;
   FitReport report;
   for (float& value : q_) value = 0;
-  if (!fit(frame, camera, false, kTuning.vote_fraction, &rigid, &report)) return;
+  if (!fit(in, false, kTuning.vote_fraction, &rigid, &report)) return;
   View view = rigid;
   for (std::size_t k = 0; k < kPrintTuning.solutions; ++k) {
-    const Candidate candidate = fit_candidate(view, frame, camera);
+    const Candidate candidate = fit_candidate(view, in);
     if (k == 0 && !is_promising(candidate.agreement)) return;
     if (keep(candidate, solutions)) copy(q_.data, q_.count, found_q_.data);
     if (k + 1 == kPrintTuning.solutions) break;
@@ -264,44 +264,42 @@ bool PrintFinder::is_clear(const Solutions& solutions) {
 }
 
 /// Pose and parameters from ever nearer matches, then from blocks.
-PrintFinder::Candidate PrintFinder::fit_candidate(const View& start, const FrameView& frame,
-                                                  const Camera& camera) {
+PrintFinder::Candidate PrintFinder::fit_candidate(const View& start, const Picture& in) {
   Candidate c;
   c.view = start;
   FitReport report;
-  if (!fit(frame, camera, true, kTuning.rigid_fraction, &c.view, &report) ||
-      !fit(frame, camera, true, kTuning.bent_fraction, &c.view, &report))
+  if (!fit(in, true, kTuning.rigid_fraction, &c.view, &report) ||
+      !fit(in, true, kTuning.bent_fraction, &c.view, &report))
     return c;
   for (int k = 0; k < kPrintTuning.block_passes; ++k)
-    if (!fit_to_blocks(frame, camera, &c.view, &report)) return c;
+    if (!fit_to_blocks(in, &c.view, &report)) return c;
   c.residual_px = square_root(1 + kTuning.bending * bent_of(q_)) * report.rms_px;
-  c.agreement = verify(c.view, frame);
+  c.agreement = verify(c.view, in.frame);
   c.is_accepted = report.used >= kTuning.least_points && is_accepted(c.agreement);
   return c;
 }
 
 /// \param tolerance  of the matches that are fitted, as a fraction of the extent.
-bool PrintFinder::fit(const FrameView& frame, const Camera& camera, bool bends, float tolerance, View* view,
-                      FitReport* report) {
-  return fit_to(points_near(*view, max(tolerance * extent_px(*view), kTuning.least_tolerance_px)), frame,
-                camera, bends, view, report);
+bool PrintFinder::fit(const Picture& in, bool bends, float tolerance, View* view, FitReport* report) {
+  return fit_to(points_near(*view, max(tolerance * extent_px(*view), kTuning.least_tolerance_px)), in, bends,
+                view, report);
 }
 
 /// The model as it is, to where its blocks are found.
-bool PrintFinder::fit_to_blocks(const FrameView& frame, const Camera& camera, View* view, FitReport* report) {
+bool PrintFinder::fit_to_blocks(const Picture& in, View* view, FitReport* report) {
   const Projector projector(*view, true);
   PosedSurface surface{&fitter_.cascade(), q_.data, &projector, &lens_};
-  const std::size_t count = match_blocks(frame, model_, matcher_.table(), {&surface, project_posed},
+  const std::size_t count = match_blocks(in.frame, model_, matcher_.table(), {&surface, project_posed},
                                          print_block_px(extent_px(*view)), points_);
-  return fit_to({points_.data, count}, frame, camera, true, view, report);
+  return fit_to({points_.data, count}, in, true, view, report);
 }
 
-bool PrintFinder::fit_to(Span<const Correspondence> points, const FrameView& frame, const Camera& camera,
-                         bool bends, View* view, FitReport* report) {
+bool PrintFinder::fit_to(Span<const Correspondence> points, const Picture& in, bool bends, View* view,
+                         FitReport* report) {
   FitOptions options;
-  options.width = frame.width;
-  options.height = frame.height;
-  options.camera = &camera;
+  options.width = in.frame.width;
+  options.height = in.frame.height;
+  options.camera = &in.camera;
   options.start = view;
   options.misfit_mm = kTuning.misfit_fraction * matcher_.table().extent_mm();
   options.is_free = bends ? nullptr : is_frozen_.data;

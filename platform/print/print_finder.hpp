@@ -40,6 +40,11 @@ class PrintFinder {
                 FoundPrint* found);
 
  private:
+  /// A frame and its camera.
+  struct Picture {
+    const FrameView& frame;
+    const Camera& camera;
+  };
   /// A fit and its verification.
   struct Candidate {
     View view;
@@ -54,20 +59,18 @@ class PrintFinder {
 
   CornerChoice choice() const;
   void gather();
-  bool fit_views(Span<const ViewVotes> views, const FrameView& frame, const Camera& camera,
-                 FoundPrint* found);
+  bool fit_views(Span<const ViewVotes> views, const Picture& in, FoundPrint* found);
   bool waits(const FoundPrint& found, bool is_quick);
-  void fit_solutions(const View& start, const FrameView& frame, const Camera& camera, Solutions* solutions);
+  void fit_solutions(const View& start, const Picture& in, Solutions* solutions);
   View tilted_back(const View& view, bool bends);
   static bool is_better(const Candidate& a, const Candidate& b);
   static bool keep(const Candidate& candidate, Solutions* solutions);
   static bool is_clear(const Solutions& solutions);
-  Candidate fit_candidate(const View& start, const FrameView& frame, const Camera& camera);
-  bool fit(const FrameView& frame, const Camera& camera, bool bends, float tolerance, View* view,
-           FitReport* report);
-  bool fit_to_blocks(const FrameView& frame, const Camera& camera, View* view, FitReport* report);
-  bool fit_to(Span<const Correspondence> points, const FrameView& frame, const Camera& camera, bool bends,
-              View* view, FitReport* report);
+  Candidate fit_candidate(const View& start, const Picture& in);
+  bool fit(const Picture& in, bool bends, float tolerance, View* view, FitReport* report);
+  bool fit_to_blocks(const Picture& in, View* view, FitReport* report);
+  bool fit_to(Span<const Correspondence> points, const Picture& in, bool bends, View* view,
+              FitReport* report);
   Span<const Correspondence> points_near(const View& view, float tolerance);
   PrintAgreement verify(const View& view, const FrameView& frame);
   float bent_of(Span<const float> q) const;
@@ -86,7 +89,7 @@ class PrintFinder {
   int failed_searches_ = 0;  // modulo the interval of spread corners
   Span<Correspondence> points_;
   Span<float> rest_, q_, found_q_;  // parameters: zeros, of the present fit, and of the best one
-  Span<std::uint8_t> is_frozen_;  // zeros: no parameter is free
+  Span<std::uint8_t> is_frozen_;    // zeros: no parameter is free
 };
 
 /// Whether blocks enough agree for a start, and for one without further frames.
