@@ -3,6 +3,7 @@
 
 #include "base/arrays.hpp"
 #include "face/box_view.hpp"
+#include "model/parameters.hpp"
 
 namespace pliant {
 
@@ -146,10 +147,9 @@ Status Alignment::begin(const FrameView& frame, const AlignOptions& options, boo
 Status Alignment::begin_in_box(const FrameView& frame, const FaceBox& box, const float* q,
                                const AlignOptions& options) {
   for (std::size_t k = 0; k < model().parameters().count; ++k) {
-    const Parameter& p = model().parameters()[k];
     const bool is_held = options.is_free != nullptr && options.is_free[k] == 0;
     if (is_held && !is_finite(q[k])) return Status::bad_argument;
-    start_q[k] = is_held ? clamp(q[k], p.minimum, p.maximum) : 0.0f;
+    start_q[k] = is_held ? within_range(model().parameters()[k], q[k]) : 0.0f;
   }
   const Status placed = start_in_box(frame, box, options.roll);
   return placed == Status::ok ? begin(frame, options, false) : placed;

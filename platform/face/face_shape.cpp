@@ -1,6 +1,7 @@
 #include "face/face_shape.hpp"
 
 #include "base/arrays.hpp"
+#include "model/parameters.hpp"
 
 namespace pliant {
 
@@ -8,18 +9,12 @@ namespace {
 
 constexpr std::size_t kPose = static_cast<std::size_t>(kPoseUnknowns);
 
-std::size_t count_expressions(const Model& model) {
-  std::size_t count = 0;
-  for (const Parameter& p : model.parameters()) count += p.group == Group::expression;
-  return count;
-}
-
 }  // namespace
 
 void FaceShape::lay_out(Arena& arena, const Model& model, std::size_t landmarks, AlignerUse use) {
   const std::size_t parameters = model.parameters().count;
   const bool is_known = use == AlignerUse::known_person;
-  const std::size_t unknowns = kPose + (is_known ? count_expressions(model) : parameters);
+  const std::size_t unknowns = kPose + (is_known ? count_of(Group::expression, model) : parameters);
   cascade_.lay_out(arena, model);
   q_ = arena.take<float>(parameters);
   equations_.lay_out(arena, unknowns);
@@ -45,8 +40,7 @@ void FaceShape::start(const View& view, const float* q, const std::uint8_t* is_f
   view_ = view;
   lens_ = lens;
   const Span<const Parameter> parameters = cascade_.model().parameters();
-  for (std::size_t k = 0; k < parameters.count; ++k)
-    q_[k] = clamp(q[k], parameters[k].minimum, parameters[k].maximum);
+  for (std::size_t k = 0; k < parameters.count; ++k) q_[k] = within_range(parameters[k], q[k]);
   if (is_free != nullptr)
     cascade_.set_free(is_free);
   else

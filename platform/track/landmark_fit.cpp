@@ -3,6 +3,7 @@
 #include "base/extent.hpp"
 #include "base/integers.hpp"
 #include "model/ibug_names.hpp"
+#include "model/parameters.hpp"
 #include "track/offset_landmarks.hpp"
 
 namespace pliant {
@@ -33,8 +34,7 @@ void LandmarkFit::lay_out(Arena& arena, const Model& model, std::size_t points, 
   limits.points = static_cast<std::uint16_t>(points);
   limits.silhouette = true;
   fitter_.lay_out(arena, model, limits);
-  has_identity_ = false;
-  for (const Parameter& p : model.parameters()) has_identity_ = has_identity_ || p.group == Group::identity;
+  has_identity_ = count_of(Group::identity, model) > 0;
   const std::size_t parameters = model.parameters().count;
   is_identity_ = arena.take<std::uint8_t>(parameters);
   is_landmark_ = arena.take<std::uint8_t>(points);

@@ -2,6 +2,7 @@
 
 #include "base/arrays.hpp"
 #include "estimate/lens_transfer.hpp"
+#include "model/parameters.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/person_estimate.hpp"
 #include "track/person_rows.hpp"
@@ -31,19 +32,13 @@ namespace {
 constexpr const PersonRefinementTuning& kTuning = kPersonRefinementTuning;
 constexpr float kExact = 1e6f;  // weight of what has no error of its own, 1/rad^2 or 1/px^2
 
-std::size_t identities(const Model& model) {
-  std::size_t n = 0;
-  for (const Parameter& p : model.parameters()) n += p.group == Group::identity;
-  return n;
-}
-
 PersonState* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
   arena.count_as(Purpose::state);
-  return identities(model) > 0 ? create_part<PersonState>(arena, model, limits) : nullptr;
+  return count_of(Group::identity, model) > 0 ? create_part<PersonState>(arena, model, limits) : nullptr;
 }
 
 std::size_t scratch_bytes(const Model& model, const TrackerLimits& limits) {
-  if (identities(model) == 0) return 0;
+  if (count_of(Group::identity, model) == 0) return 0;
   Arena trial;
   PersonEquations equations;
   equations.lay_out(trial, kPoseUnknowns + 3 + model.parameters().count);
@@ -158,7 +153,7 @@ bool choose_step(PersonState& s, const Model& model, float* q, Vec3* turn) {
   }
   for (std::size_t k = 3; k < s.rows.kept(); ++k) {
     const Parameter& p = model.parameters()[s.rows.identity(k - 3)];
-    const float to = clamp(s.now[k] + rate * (s.best[k] - s.now[k]), p.minimum, p.maximum);
+    const float to = within_range(p, s.now[k] + rate * (s.best[k] - s.now[k]));
     is_worth = is_worth || magnitude(to - s.now[k]) > kTuning.least_step_sd * p.sd;
     q[s.rows.identity(k - 3)] = to;
   }
@@ -230,7 +225,7 @@ void conclude(TrackerParts& t) {
 }  // namespace
 
 void PersonState::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-  const std::size_t parameters = model.parameters().count, kept = 3 + identities(model);
+  const std::size_t parameters = model.parameters().count, kept = 3 + count_of(Group::identity, model);
   rows.lay_out(arena, model);
   estimate.lay_out(arena, kept);
   is_free = arena.take<std::uint8_t>(parameters);

@@ -1,6 +1,7 @@
 // The estimator (the paper, section 8 and Appendix A): a composition of surface points, visible surface, frame solver, motion
 // model and track monitor.
 #include "estimate/estimator_impl.hpp"
+#include "model/parameters.hpp"
 
 namespace pliant {
 
@@ -105,10 +106,8 @@ void Estimator::Impl::set_view(const Pose& pose) {
 
 void Estimator::Impl::set_state(const Pose& pose, const float* q) {
   set_view(pose);
-  for (std::size_t i = 0; i < parameter_count(); ++i) {
-    const Parameter& p = cascade.model().parameters()[i];
-    state.q[i] = clamp(q[i], p.minimum, p.maximum);
-  }
+  for (std::size_t i = 0; i < parameter_count(); ++i)
+    state.q[i] = within_range(cascade.model().parameters()[i], q[i]);
   copy(state, parameter_count(), &trusted);
 }
 
@@ -248,9 +247,8 @@ void Estimator::expect(std::size_t parameter, float value, float sd) {
   Impl& s = *impl_;
   PLIANT_ASSERT(parameter < s.parameter_count() && is_finite(value) && sd > 0);
   if (s.cascade.column_of(parameter) == kNone) return;
-  const Parameter& p = model().parameters()[parameter];
   s.predictions = {};
-  s.state.q[parameter] = clamp(value, p.minimum, p.maximum);
+  s.state.q[parameter] = within_range(model().parameters()[parameter], value);
   s.motion.expect(parameter, s.state.q[parameter], sd);
 }
 

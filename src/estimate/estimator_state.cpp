@@ -1,5 +1,6 @@
 // States that come from outside and go there.
 #include "estimate/estimator_impl.hpp"
+#include "model/parameters.hpp"
 
 namespace pliant {
 
@@ -24,8 +25,7 @@ Status Estimator::Impl::expect(const State& saved) {
   motion.expect(state.view);
   for (std::size_t k = 0; k < cascade.column_count(); ++k) {
     const std::uint16_t i = cascade.parameter_of(k);
-    const Parameter& p = cascade.model().parameters()[i];
-    state.q[i] = clamp(saved.q[i], p.minimum, p.maximum);
+    state.q[i] = within_range(cascade.model().parameters()[i], saved.q[i]);
     motion.expect(i, state.q[i]);
   }
   return Status::ok;

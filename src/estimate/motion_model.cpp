@@ -1,5 +1,7 @@
 #include "estimate/motion_model.hpp"
 
+#include "model/parameters.hpp"
+
 namespace pliant {
 
 void MotionModel::lay_out(Arena& arena, std::size_t parameters) {
@@ -48,9 +50,9 @@ bool MotionModel::predict(std::int64_t time_ns, int bad_frames, const Cascade& c
   if (moves) state->view = filter_.view();
   expected_.mean.view = state->view;
   for (std::size_t i = 0; i < count_; ++i) {
-    const Parameter& p = cascade.model().parameters()[i];
     float mean = state->q[i];
-    if (is_known && filter_.ranges()[i] > 0) mean = clamp(filter_.parameters()[i], p.minimum, p.maximum);
+    if (is_known && filter_.ranges()[i] > 0)
+      mean = within_range(cascade.model().parameters()[i], filter_.parameters()[i]);
     expected_.mean.q[i] = mean;
     if (moves) state->q[i] = mean;
   }

@@ -1,5 +1,7 @@
 #include "estimate/state_parts.hpp"
 
+#include "model/parameters.hpp"
+
 namespace pliant {
 
 void StateParts::lay_out(Arena& arena, std::size_t parameters, const EstimatorLimits& limits,
@@ -13,8 +15,7 @@ void StateParts::lay_out(Arena& arena, std::size_t parameters, const EstimatorLi
 void StateParts::revise(Cascade& cascade, const float* q, Quat turn) {
   for (std::size_t i = 0; i < cascade.parameter_count(); ++i) {
     if (cascade.column_of(i) != kNone) continue;
-    const Parameter& p = cascade.model().parameters()[i];
-    state.q[i] = trusted.q[i] = clamp(q[i], p.minimum, p.maximum);
+    state.q[i] = trusted.q[i] = within_range(cascade.model().parameters()[i], q[i]);
   }
   state.view.q = normalised(state.view.q * turn);
   trusted.view.q = normalised(trusted.view.q * turn);

@@ -2,6 +2,7 @@
 
 #include "base/arrays.hpp"
 #include "fit/fit_tuning.hpp"
+#include "model/parameters.hpp"
 
 namespace pliant {
 
@@ -37,18 +38,12 @@ float relief_of(const FitProblem& problem, const float* q) {
   return of_two > 0 ? square_root(of_all / (of_two * (xx + yy + zz))) : 0.0f;
 }
 
-bool has_identity(const Model& model) {
-  for (const Parameter& p : model.parameters())
-    if (p.group == Group::identity) return true;
-  return false;
-}
-
 /// Whether the points leave room for another solution. \param cost  robust.
 bool is_doubtful(const FitProblem& problem, float cost, const float* start_q) {
   const std::size_t count = problem.points.count;
   return cost > kTuning.good_cost * static_cast<float>(count) ||
          relief_of(problem, start_q) < kTuning.most_relief ||
-         (count <= kTuning.few_points && !has_identity(problem.work.cascade.model()));
+         (count <= kTuning.few_points && count_of(Group::identity, problem.work.cascade.model()) == 0);
 }
 
 /// The rotation, in the camera's axes, that tilts a surface of this normal as far to the other side.

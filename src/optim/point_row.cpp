@@ -1,5 +1,7 @@
 #include "optim/point_row.hpp"
 
+#include "model/parameters.hpp"
+
 namespace pliant {
 
 void PointRow::lay_out(Arena& arena, std::size_t unknowns) {
@@ -27,7 +29,7 @@ void add_prior(const Parameter& p, float q, float weight, std::size_t unknown, N
 }
 
 float stepped(const Parameter& p, float q, float step) {
-  return clamp(q + step, p.minimum, p.maximum);
+  return within_range(p, q + step);
 }
 
 }  // namespace pliant
