@@ -1,6 +1,7 @@
 // Binomial smoothing of noisy frames (docs/algorithms.md, section 7.22).
 #include "vision/noise_filter.hpp"
 
+#include "base/integers.hpp"
 #include "base/wide_vectors.hpp"
 #include "vision/binomial.hpp"
 #include "vision/noise.hpp"
