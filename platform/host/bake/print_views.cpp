@@ -16,10 +16,11 @@ namespace {
 struct PrintViewTuning {
   /// Cosine of the angle up to which a view shows surface well: 37 degrees. Round value, not tuned.
   float least_cosine = 0.8f;
-  /// Fraction of the surface that a further side adds, at least, and sides, count, at most: keypoints are shared among the views.
-  /// Round values, not tuned.
-  float least_side = 0.1f;
-  std::size_t most_sides = 8;
+  /// What a further side adds, at least, as fractions of the surface and of what the first side shows, the smaller one; and sides,
+  /// count, at most: keypoints are shared among the views. A side of a ball shows a tenth of it: with the first fraction alone
+  /// chance decides which of its sides are left out. Round values, not tuned.
+  float least_side = 0.1f, least_of_first = 0.25f;
+  std::size_t most_sides = 14;
   /// Up to so many sides each is also seen tilted, by this angle, radians (43 degrees), in so many directions, count. Round
   /// values, not tuned.
   std::size_t most_tilted_sides = 2;
@@ -77,6 +78,7 @@ std::vector<Vec3> choose_sides(const std::vector<Facet>& facets) {
   float whole = 0;
   for (const Facet& f : facets) whole += f.area;
   std::vector<Vec3> sides;
+  float least = 0;
   while (sides.size() < kTuning.most_sides) {
     float best = 0;
     Vec3 side;
@@ -86,7 +88,8 @@ std::vector<Vec3> choose_sides(const std::vector<Facet>& facets) {
         if (is_shown[k] == 0 && dot(facets[k].normal, d) >= kTuning.least_cosine) gain += facets[k].area;
       if (gain > best) best = gain, side = d;
     }
-    if (!(best > kTuning.least_side * whole)) break;
+    if (sides.empty()) least = std::min(kTuning.least_side * whole, kTuning.least_of_first * best);
+    if (!(best > least)) break;
     sides.push_back(side);
     for (std::size_t k = 0; k < facets.size(); ++k)
       is_shown[k] |= static_cast<char>(dot(facets[k].normal, side) >= kTuning.least_cosine);

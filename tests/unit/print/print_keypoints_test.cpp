@@ -40,19 +40,47 @@ Image squares() {
   return picture;
 }
 
-}  // namespace
+constexpr float kPi = 3.14159265f;
 
-TEST_CASE(
-    "where a print has more corners than a table holds, each of its views keeps keypoints of all sizes") {
-  const obj_folder::ObjFolder folder("card");
-  folder.write("neutral", card);
+/// A ball, whose chart is cut open at the back. t up.
+Vec3 ball(float s, float t) {
+  const float a = 2 * kPi * (s - 0.5f), b = 0.98f * kPi * (t - 0.5f);
+  return {100 * std::cos(b) * std::sin(a), 100 * std::sin(b), 100 * std::cos(b) * std::cos(a)};
+}
+
+std::vector<std::uint8_t> with_squares(const obj_folder::Shape& shape) {
+  const obj_folder::ObjFolder folder("squares");
+  folder.write("neutral", shape);
   bake::BakeOptions options;
   options.source = folder.path.string();
   options.texture = folder.put("print.png", encode_png(squares()));
   std::vector<std::uint8_t> bytes;
   std::string error;
   REQUIRE_MESSAGE(bake::bake(options, bytes, error), error);
-  const bake::OpenedTable opened(bytes);
+  return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("the print of a ball is learnt from all its sides: each place is seen at 45 degrees or less") {
+  const bake::OpenedTable opened(with_squares(ball));
+  PrintTable table;
+  REQUIRE(PrintTable::open(opened.model().print(), &table) == Status::ok);
+  for (int i = 0; i < 24; ++i)
+    for (int j = 1; j < 12; ++j) {
+      const float a = 2 * kPi * static_cast<float>(i) / 24, b = kPi * (static_cast<float>(j) / 12 - 0.5f);
+      const Vec3 normal{std::cos(b) * std::sin(a), -std::sin(b), -std::cos(b) * std::cos(a)};  // camera's axes
+      float best = 0;  // cosine of the angle at which a view shows this place
+      for (const Quat view : table.views()) best = std::max(best, -(rotation_matrix(view) * normal).z);
+      CAPTURE(a);
+      CAPTURE(b);
+      CHECK(best > 0.7f);
+    }
+}
+
+TEST_CASE(
+    "where a print has more corners than a table holds, each of its views keeps keypoints of all sizes") {
+  const bake::OpenedTable opened(with_squares(card));
   PrintTable table;
   REQUIRE(PrintTable::open(opened.model().print(), &table) == Status::ok);
   REQUIRE(table.views().count == 14);
