@@ -33,10 +33,6 @@ View view_from(const SurfaceMatch& m, const Camera& camera) {
   return v;
 }
 
-float half_cosine(const SurfaceMatch& a, const SurfaceMatch& b) {
-  return magnitude(a.q.w * b.q.w + a.q.x * b.q.x + a.q.y * b.q.y + a.q.z * b.q.z);
-}
-
 int count_votes(Span<const SurfaceMatch> matches, std::size_t of, const View& view, float tolerance_px) {
   const Projector projector(view, true);
   int votes = 0;
@@ -50,16 +46,20 @@ int count_votes(Span<const SurfaceMatch> matches, std::size_t of, const View& vi
 /// Whether a view is nearly that which the match suggests.
 bool is_same(const ViewVotes& view, const SurfaceMatch& of, const SurfaceMatch& m, float tolerance_mm) {
   Vec2 x;
-  return half_cosine(of, m) >= kTuning.same_half_cosine && of.s <= kTuning.same_scale_ratio * m.s &&
+  return half_cosine(of.q, m.q) >= kTuning.same_half_cosine && of.s <= kTuning.same_scale_ratio * m.s &&
          m.s <= kTuning.same_scale_ratio * of.s && Projector(view.view, true).project(m.p, &x) &&
          length(x - m.x) <= tolerance_mm * view.view.s;
 }
 
 }  // namespace
 
+float half_cosine(const Quat& a, const Quat& b) {
+  return magnitude(a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z);
+}
+
 bool is_similar(const SurfaceMatch& a, const SurfaceMatch& b) {
   return a.s <= kTuning.most_scale_ratio * b.s && b.s <= kTuning.most_scale_ratio * a.s &&
-         half_cosine(a, b) >= kTuning.least_half_cosine;
+         half_cosine(a.q, b.q) >= kTuning.least_half_cosine;
 }
 
 std::size_t find_views(Span<const SurfaceMatch> matches, const Camera& camera, float tolerance_mm,

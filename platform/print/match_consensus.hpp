@@ -25,6 +25,9 @@ struct ViewVotes {
   std::size_t match = 0;
 };
 
+/// Cosine of half the angle between two rotations.
+float half_cosine(const Quat& a, const Quat& b);
+
 /// Whether two matches suggest nearly the same rotation and scale.
 bool is_similar(const SurfaceMatch& a, const SurfaceMatch& b);
 

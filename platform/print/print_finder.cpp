@@ -52,6 +52,9 @@ struct PrintFinderTuning {
   float sure_agreement = 0.8f;
   int sure_agreed = 24;
   int most_doubtful_frames = 4;
+  /// Cosine of half the angle by which a fit to blocks turns the best solution, from which on that counts as settled: 0.2 degrees,
+  /// a sixth of a percent of its extent. Round value, not tuned.
+  float settled_half_cosine = 0.9999985f;
   /// How much a found shape is bent (bent_of), up to which it counts as that at rest, and its pose as right. Where a covered half
   /// was folded away it was 0.5 to 19, and the pose off by up to 110 degrees; of right starts of the same films it was 0.01 to 0.24
   /// (docs/experiments.md, Start by print).
@@ -157,8 +160,27 @@ bool PrintFinder::fit_views(Span<const ViewVotes> views, const Picture& in, Foun
     if (solutions.best.is_accepted && is_clear(solutions) && is_whole(solutions.best.agreement)) break;
   }
   if (!solutions.best.is_accepted) return false;
+  settle(in, &solutions.best);
   *found = {solutions.best.view, solutions.best.agreement, is_clear(solutions), 0};
   return true;
+}
+
+/// Goes on fitting the best solution to blocks until that hardly turns it, or fewer of them agree: templates are captured where the
+/// start puts the surface, and keep its error. \pre found_q_ are the parameters of the solution.
+void PrintFinder::settle(const Picture& in, Candidate* best) {
+  copy(found_q_.data, found_q_.count, q_.data);
+  float cosine = 0;
+  for (int k = 0; k < kPrintTuning.settling_passes && cosine < kTuning.settled_half_cosine; ++k) {
+    View view = best->view;
+    FitReport report;
+    if (!fit_to_blocks(in, &view, &report)) return;
+    const PrintAgreement agreement = verify(view, in.frame);
+    if (agreement.agreed < best->agreement.agreed) return;
+    cosine = half_cosine(best->view.q, view.q);
+    best->view = view;
+    best->agreement = agreement;
+    copy(q_.data, q_.count, found_q_.data);
+  }
 }
 
 /// Whether a start waits for another search. One that is nearly certain does so only where the search has taken one frame
@@ -259,8 +281,7 @@ bool PrintFinder::is_clear(const Solutions& solutions) {
   if (!other.is_accepted || best.agreement.agreed >= other.agreement.agreed + kTuning.clear_difference ||
       kTuning.clear_ratio * best.residual_px < other.residual_px)
     return true;
-  const Quat a = best.view.q, b = other.view.q;
-  return magnitude(a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z) > kTuning.same_half_cosine;
+  return half_cosine(best.view.q, other.view.q) > kTuning.same_half_cosine;
 }
 
 /// Pose and parameters from ever nearer matches, then from blocks.

@@ -60,6 +60,7 @@ class PrintFinder {
   CornerChoice choice() const;
   void gather();
   bool fit_views(Span<const ViewVotes> views, const Picture& in, FoundPrint* found);
+  void settle(const Picture& in, Candidate* best);
   bool waits(const FoundPrint& found, bool is_quick);
   void fit_solutions(const View& start, const Picture& in, Solutions* solutions);
   View tilted_back(const View& view, bool bends);

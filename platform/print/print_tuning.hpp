@@ -45,6 +45,9 @@ struct PrintTuning {
   /// each finds blocks from a better view than the one before. Round values.
   std::size_t fitted_points = 96;
   int block_passes = 4;
+  /// Further ones of the best solution, count, at most (docs/algorithms.md, section 7.17). A can with a word, small text and spots
+  /// began up to 10 px off, of 330, after four, and stayed so. Round value.
+  int settling_passes = 12;
   /// Blocks that a check compares, count, at most, a round value; and times as many places that are tried until so many face the
   /// camera. With one time 8 to 12 blocks of a ball can be compared, and most of its right views have too few.
   std::size_t blocks = 48, block_rounds = 4;

@@ -294,15 +294,20 @@ void add_print_loads(const Sizes& s, const TrackerLimits& limits, std::size_t mo
     const double matches = static_cast<double>(PrintMatcher::most_matches());
     loads.push_back({"pairs of matches that vote for views", usual_matches * usual_matches, matches * matches,
                      kCost.print_pair});
-    loads.push_back({"fits of the print", usual_fits, fits * static_cast<double>(kPrintTuning.most_views),
+    // Settling is counted as fits of so many passes.
+    const double settling = static_cast<double>(kPrintTuning.settling_passes) / kPrintTuning.block_passes;
+    loads.push_back({"fits of the print", usual_fits, fits * static_cast<double>(kPrintTuning.most_views) + settling,
                      kCost.print_fit + kCost.print_fit_record * s.all_records});
   };
   add_views(plan.search_loads, 0, 0);
-  add_views(plan.start_loads, kUsual.print_matches, fits);
+  add_views(plan.start_loads, kUsual.print_matches, fits + 1.0 / kPrintTuning.block_passes);
   const double of_fit =
       static_cast<double>(kPrintTuning.block_passes) * static_cast<double>(kPrintTuning.fitted_points) +
       blocks;
-  const double of_search = fits * static_cast<double>(kPrintTuning.most_views) * further * of_fit;
+  const double of_settling = static_cast<double>(kPrintTuning.settling_passes) *
+                             (static_cast<double>(kPrintTuning.fitted_points) + blocks);
+  const double of_search =
+      further * (fits * static_cast<double>(kPrintTuning.most_views) * of_fit + of_settling);
   plan.search_loads.push_back({kTurned, 0, of_search, place});
   plan.start_loads.push_back({kTurned, 0, of_search + further * blocks, place});
   plan.start_loads.push_back({"blocks of the print compared", blocks, blocks, check});
