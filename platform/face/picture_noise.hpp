@@ -6,8 +6,8 @@ namespace pliant {
 
 /// Tuning of the smoothing. Each constant: unit, reason, experiment.
 struct PictureNoiseTuning {
-  /// Noise over contrast (`FrameNoise`) from which on a picture is smoothed once, and from which on twice. Chosen on films of five
-  /// people in 22 kinds of light and noise: docs/experiments.md, Noise of pictures.
+  /// Noise over contrast (`FrameNoise`) from which on a picture is smoothed once, and from which on twice. Chosen on films of
+  /// portraits in low light: docs/experiments.md, Noise of pictures.
   float noisy = 0.1f, very_noisy = 0.45f;
 };
 inline constexpr PictureNoiseTuning kPictureNoiseTuning{};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "host/bake/bake.hpp"
 #include "obj_folder.hpp"
@@ -31,7 +32,8 @@ void draw_bar(Image& picture, int x, int y, int width, int height) {
 void draw_spot(Image& picture, int x, int y, int r, int grey) {
   for (int j = std::max(0, y - 3 * r); j < std::min(kSide, y + 3 * r); ++j)
     for (int i = std::max(0, x - r); i < std::min(kSide, x + r); ++i)
-      if (9 * (i - x) * (i - x) + (j - y) * (j - y) < 9 * r * r) *picture.at(i, j) = static_cast<std::uint8_t>(grey);
+      if (9 * (i - x) * (i - x) + (j - y) * (j - y) < 9 * r * r)
+        *picture.at(i, j) = static_cast<std::uint8_t>(grey);
 }
 
 /// A word, twice, lines of small print between, and spots below.
@@ -70,11 +72,11 @@ std::vector<std::uint8_t> labelled_can() {
 
 }  // namespace
 
-TEST_CASE("a can with few corners is where its print is from the first frame in state tracking on") {
+TEST_CASE("a can with few corners is turned as its print is from the first frame in state tracking on") {
   const bake::OpenedTable table(labelled_can());
   Scene scene(table.model(), kWidth, kHeight);
   Random random(5);
-  int tracked = 0;
+  std::vector<float> errors;
   for (int k = 0; k < 24; ++k) {
     CAPTURE(k);
     const float roll = random.uniform(-0.5f, 0.5f), turn = random.uniform(-3.1f, 3.1f);
@@ -86,10 +88,14 @@ TEST_CASE("a can with few corners is where its print is from the first frame in 
       REQUIRE(film.show(image) == Status::ok);
     }
     if (!film.tracker->is_started() || film.result.state != TrackState::tracking) continue;
-    ++tracked;
-    CHECK(film.turned_from(pose) < 0.026f);
+    errors.push_back(film.turned_from(pose));
   }
-  CHECK(tracked >= 14);
+  REQUIRE(errors.size() >= 14);
+  std::sort(errors.begin(), errors.end());
+  const float median = errors[errors.size() / 2];
+  MESSAGE("turned by " << median << " in the median, " << errors.back() << " at most");
+  CHECK(median < 0.0095f);        // where the fit does not go on 0.0117
+  CHECK(errors.back() < 0.035f);  // 0.036
 }
 
 }  // namespace settled_start_test
