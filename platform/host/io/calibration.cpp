@@ -187,8 +187,9 @@ Calibration parse_calibration(const std::string& source, const std::string& text
   camera.aspect = static_cast<float>(m[4] / m[0]);
   if (!is_aspect(camera.aspect))
     fail_input(source, "'camera_matrix' has fy / fx = " + number_text(m[4] / m[0]) +
-                           ": pixels are supported where it is " + number_text(double{kLeastAspect}) +
-                           " to " + number_text(double{kMostAspect}));
+                           ": pixels are supported where it is " +
+                           number_text(static_cast<double>(kLeastAspect)) + " to " +
+                           number_text(static_cast<double>(kMostAspect)));
   // Pixel centres are at integers, so the scale has its fixed point at the picture's corner (-0.5, -0.5).
   camera.cx = static_cast<float>(scale * (m[2] + 0.5) - 0.5);
   camera.cy = static_cast<float>(scale * (m[5] + 0.5) - 0.5);
