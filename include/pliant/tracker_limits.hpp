@@ -77,7 +77,7 @@ struct TrackerLimits {
   /// Smooths frames of a face with much noise, as in low light, before anything else reads them: where the standard
   /// deviation of the noise is 2 grey levels or more and above 0.42 of that of the grey levels, measured in each frame. width x
   /// (height + 10) bytes. If null, frames are used as they are, and the code is left out of the program; only the pictures in
-  /// which a face is aligned are smoothed, in place.
+  /// which a face is aligned or its eyes are read are smoothed, in place.
   const NoiseSmoothing* noise = &kNoiseSmoothing;
   std::uint16_t thumbnail_width = 96;    ///< widest thumbnail for coarse search, px
   std::uint16_t free_parameters = 0;     ///< as EstimatorLimits::free_parameters

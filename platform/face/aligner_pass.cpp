@@ -1,6 +1,7 @@
 #include "face/aligner_pass.hpp"
 
 #include "face/ibug_landmarks.hpp"
+#include "vision/noise_tuning.hpp"
 
 namespace pliant {
 
@@ -83,7 +84,7 @@ bool AlignerPass::take_picture(const FrameView& frame) {
   if (!is_finite(middle)) return false;
   picture_.take(frame, middle, max(1, kFaceBoxMm * shape_.view().s) / kFacePictureTuning.face_px,
                 gradients_.scratch());
-  picture_.smooth_noise();
+  picture_.smooth_noise(kNoiseTuning.most_places);
   return true;
 }
 

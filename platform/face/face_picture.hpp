@@ -58,7 +58,7 @@ class FacePicture {
   /// \param columns  scratch, side * most_samples values.
   void take(const FrameView& frame, Vec2 centre, float ratio, int* columns);
   /// Smooths the picture as taken if it is noisy (picture_noise.hpp).
-  void smooth_noise() { pliant::smooth_noise(pixels_, side_); }
+  void smooth_noise(int most_places) { pliant::smooth_noise(pixels_, side_, most_places); }
 
   /// As taken: the middle of the part, px of the frame, and px of the frame a pixel.
   Vec2 centre() const { return first_ + 0.5f * ratio_ * Vec2{last(), last()}; }

@@ -45,13 +45,13 @@ void smooth(std::uint8_t* pixels, int side) {
 
 }  // namespace
 
-void smooth_noise(std::uint8_t* pixels, int side) {
+void smooth_noise(std::uint8_t* pixels, int side, int most_places) {
   PLIANT_ASSERT(side >= 1 && side <= kMostSide);
   FrameView view;
   view.data = pixels;
   view.width = view.height = side;
   view.stride_bytes = static_cast<std::size_t>(side);
-  const FrameNoise of = noise_of(view);
+  const FrameNoise of = noise_of(view, most_places);
   if (of.noise < kNoiseTuning.least_noise) return;
   if (of.noise >= kPictureNoiseTuning.noisy * of.contrast) smooth(pixels, side);
   if (of.noise >= kPictureNoiseTuning.very_noisy * of.contrast) smooth(pixels, side);

@@ -14,7 +14,7 @@ inline constexpr PictureNoiseTuning kPictureNoiseTuning{};
 
 /// Smooths a square picture in place by [1 2 1]/4 along rows and columns if it is noisy, twice if it is very noisy. Beyond the
 /// border its pixels go on. Cost: `noise_of`, and 6 additions a pixel each time.
-/// \param pixels  rows without padding. \param side  px, 1 to 160.
-void smooth_noise(std::uint8_t* pixels, int side);
+/// \param pixels  rows without padding. \param side  px, 1 to 160. \param most_places  as in `noise_of`.
+void smooth_noise(std::uint8_t* pixels, int side, int most_places);
 
 }  // namespace pliant

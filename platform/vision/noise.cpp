@@ -3,7 +3,6 @@
 
 #include "base/integers.hpp"
 #include "pliant/geometry.hpp"
-#include "vision/noise_tuning.hpp"
 
 namespace pliant {
 
@@ -26,16 +25,16 @@ int noise_places(int side, int step) {
   return side < 3 ? 0 : (side - 3) / step + 1;
 }
 
-int noise_step(int width, int height) {
+int noise_step(int width, int height, int most_places) {
   int step = 1;
-  while (noise_places(width, step) * noise_places(height, step) > kTuning.most_places) step += 2;
+  while (noise_places(width, step) * noise_places(height, step) > most_places) step += 2;
   return step;
 }
 
-FrameNoise noise_of(const FrameView& frame) {
+FrameNoise noise_of(const FrameView& frame, int most_places) {
   const auto down = static_cast<std::ptrdiff_t>(frame.stride_bytes);
   const std::ptrdiff_t right = frame.pixel_step_bytes;
-  const int step = noise_step(frame.width, frame.height);
+  const int step = noise_step(frame.width, frame.height, most_places);
   std::uint16_t of_response[256] = {};
   int places = 0, sum = 0, squares = 0;
   for (int y = 1; y + 1 < frame.height; y += step)
@@ -47,7 +46,7 @@ FrameNoise noise_of(const FrameView& frame) {
       squares += *at * *at;
       ++places;
     }
-  if (places < kTuning.least_places) return {};
+  if (16 * places < most_places) return {};
   int median = 0;
   for (int below = of_response[0]; 2 * below < places; below += of_response[median]) ++median;
   const float count = static_cast<float>(places), mean = static_cast<float>(sum) / count;

@@ -4,6 +4,7 @@
 
 #include "noisy_frame.hpp"
 #include "vision/noise.hpp"
+#include "vision/noise_tuning.hpp"
 
 namespace picture_noise_test {
 
@@ -49,7 +50,7 @@ Pixels smoothed(const Pixels& pixels, int side) {
 }
 
 Pixels after(Pixels pixels, int side) {
-  smooth_noise(pixels.data(), side);
+  smooth_noise(pixels.data(), side, kNoiseTuning.most_places);
   return pixels;
 }
 

@@ -60,6 +60,18 @@ TEST_CASE("places are those with neighbours, a step apart; what lies between the
   }
 }
 
+TEST_CASE("fewer places tell the noise of a small picture, less exactly") {
+  for (const int most : {4096, 512}) {
+    const int step = noise_step(46, 46, most);
+    CHECK(step == (most == 512 ? 3 : 1));
+    const NoisyFrame frame(7, 46, 46);
+    CHECK(noise_of(frame.view(), most).noise == doctest::Approx(7).epsilon(0.2));
+  }
+  const NoisyFrame tiny(7, 7, 7);
+  CHECK(noise_of(tiny.view(), 512).noise == 0);  // 25 places
+  CHECK(noise_of(tiny.view(), 256).noise > 3);
+}
+
 TEST_CASE("places that are clipped, black or white, do not count") {
   for (const int clipped : {0, 255}) {
     CAPTURE(clipped);
