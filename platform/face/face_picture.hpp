@@ -22,6 +22,7 @@ struct FacePictureTuning {
   int most_samples = 6;
 };
 inline constexpr FacePictureTuning kFacePictureTuning{};
+static_assert(kFacePictureTuning.side_px <= kMostPictureSide, "");
 
 /// An upright square that is cut out of a picture: the position `origin` is the crop's middle.
 struct CropMap {

@@ -12,7 +12,7 @@ namespace pliant {
 
 namespace {
 
-constexpr int kMostSide = 160;  // of a picture, px: bounds the stack
+constexpr int kMostSide = kMostPictureSide;
 
 PLIANT_WIDE_VECTORS
 void add_lines(const std::uint8_t* __restrict above, const std::uint8_t* __restrict line,

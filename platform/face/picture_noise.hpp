@@ -12,9 +12,12 @@ struct PictureNoiseTuning {
 };
 inline constexpr PictureNoiseTuning kPictureNoiseTuning{};
 
+/// Largest side of a picture that is smoothed, px: bounds the stack.
+constexpr int kMostPictureSide = 160;
+
 /// Smooths a square picture in place by [1 2 1]/4 along rows and columns if it is noisy, twice if it is very noisy. Beyond the
 /// border its pixels go on. Cost: `noise_of`, and 6 additions a pixel each time.
-/// \param pixels  rows without padding. \param side  px, 1 to 160. \param most_places  as in `noise_of`.
+/// \param pixels  rows without padding. \param side  px, 1 to kMostPictureSide. \param most_places  as in `noise_of`.
 void smooth_noise(std::uint8_t* pixels, int side, int most_places);
 
 }  // namespace pliant

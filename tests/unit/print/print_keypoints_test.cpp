@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/bake/bake.hpp"
+#include "baked_print.hpp"
 #include "host/bake/opened_table.hpp"
 #include "host/io/image.hpp"
-#include "obj_folder.hpp"
 #include "print/print_table.hpp"
 #include "print_film.hpp"
 #include "random.hpp"
@@ -48,22 +47,10 @@ Vec3 ball(float s, float t) {
   return {100 * std::cos(b) * std::sin(a), 100 * std::sin(b), 100 * std::cos(b) * std::cos(a)};
 }
 
-std::vector<std::uint8_t> with_squares(const obj_folder::Shape& shape) {
-  const obj_folder::ObjFolder folder("squares");
-  folder.write("neutral", shape);
-  bake::BakeOptions options;
-  options.source = folder.path.string();
-  options.texture = folder.put("print.png", encode_png(squares()));
-  std::vector<std::uint8_t> bytes;
-  std::string error;
-  REQUIRE_MESSAGE(bake::bake(options, bytes, error), error);
-  return bytes;
-}
-
 }  // namespace
 
 TEST_CASE("the print of a ball is learnt from all its sides: each place is seen at 45 degrees or less") {
-  const bake::OpenedTable opened(with_squares(ball));
+  const bake::OpenedTable opened(baked_print(ball, squares()));
   PrintTable table;
   REQUIRE(PrintTable::open(opened.model().print(), &table) == Status::ok);
   for (int i = 0; i < 24; ++i)
@@ -80,7 +67,7 @@ TEST_CASE("the print of a ball is learnt from all its sides: each place is seen 
 
 TEST_CASE(
     "where a print has more corners than a table holds, each of its views keeps keypoints of all sizes") {
-  const bake::OpenedTable opened(with_squares(card));
+  const bake::OpenedTable opened(baked_print(card, squares()));
   PrintTable table;
   REQUIRE(PrintTable::open(opened.model().print(), &table) == Status::ok);
   REQUIRE(table.views().count == 14);

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "host/bake/bake.hpp"
-#include "obj_folder.hpp"
+#include "baked_print.hpp"
 #include "print_film.hpp"
 #include "random.hpp"
 
@@ -58,22 +57,10 @@ Image label() {
   return picture;
 }
 
-std::vector<std::uint8_t> labelled_can() {
-  const obj_folder::ObjFolder folder("can");
-  folder.write("neutral", can);
-  bake::BakeOptions options;
-  options.source = folder.path.string();
-  options.texture = folder.put("print.png", encode_png(label()));
-  std::vector<std::uint8_t> bytes;
-  std::string error;
-  REQUIRE_MESSAGE(bake::bake(options, bytes, error), error);
-  return bytes;
-}
-
 }  // namespace
 
 TEST_CASE("a can with few corners is turned as its print is from the first frame in state tracking on") {
-  const bake::OpenedTable table(labelled_can());
+  const bake::OpenedTable table(baked_print(can, label()));
   Scene scene(table.model(), kWidth, kHeight);
   Random random(5);
   std::vector<float> errors;
