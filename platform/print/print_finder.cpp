@@ -1,6 +1,7 @@
 #include "print/print_finder.hpp"
 
 #include "base/arrays.hpp"
+#include "base/extent.hpp"
 #include "pliant/lens.hpp"
 #include "print/print_tuning.hpp"
 
@@ -140,7 +141,10 @@ Status PrintFinder::search(const FrameView& frame, std::uint32_t work, const Cam
   const std::size_t count =
       find_views({matches_.data, match_count_}, camera, kTuning.vote_fraction * matcher_.table().extent_mm(),
                  {views, kMostViews});
-  if (!fit_views({views, count}, {frame, camera}, found)) {
+  const bool is_found =
+      fit_views({views, count}, {begins ? frame : frame_of(matcher_.searched()), camera}, found) &&
+      (begins || carry({frame, camera}, found));
+  if (!is_found) {
     doubtful_frames_ = 0;
     failed_searches_ = (failed_searches_ + 1) % kPrintTuning.spread_interval;
     return Status::not_found;
@@ -160,25 +164,56 @@ bool PrintFinder::fit_views(Span<const ViewVotes> views, const Picture& in, Foun
     if (solutions.best.is_accepted && is_clear(solutions) && is_whole(solutions.best.agreement)) break;
   }
   if (!solutions.best.is_accepted) return false;
-  settle(in, &solutions.best);
+  seed_ = solutions.best.seed;
+  settle(in, &solutions.best.view, &solutions.best.agreement);
   *found = {solutions.best.view, solutions.best.agreement, is_clear(solutions), 0};
   return true;
 }
 
-/// Goes on fitting the best solution to blocks until that hardly turns it, or fewer of them agree: templates are captured where the
-/// start puts the surface, and keep its error. \pre found_q_ are the parameters of the solution.
-void PrintFinder::settle(const Picture& in, Candidate* best) {
+/// The box around the matches of a view, px: empty without matches.
+PixelBox PrintFinder::box_of_matches(const View& view) {
+  const Span<const Correspondence> points = points_near(view, kTuning.rigid_fraction);
+  if (points.count == 0) return {};
+  Extent seen;
+  for (const Correspondence& point : points) seen.include(point.x);
+  return {static_cast<int>(seen.low.x), static_cast<int>(seen.low.y), static_cast<int>(seen.high.x),
+          static_cast<int>(seen.high.y)};
+}
+
+/// Moves what was found from the frame that was searched to the present one: by the shift of the box around its matches, then to
+/// its blocks. \return false where it is not seen there.
+bool PrintFinder::carry(const Picture& now, FoundPrint* found) {
+  View view = found->view;
+  copy(found_q_.data, found_q_.count, q_.data);
+  view.tau = view.tau + 1 / view.s * matcher_.move_on(now.frame, box_of_matches(view));
+  FitReport report;
+  for (float spacing = kPrintTuning.carried_spacing; spacing > 1; spacing /= 2)
+    for (int k = 0; k < kPrintTuning.carried_passes; ++k)
+      if (!fit_to_blocks(now, spacing, false, &view, &report)) return false;
+  for (int k = 0; k < kPrintTuning.block_passes; ++k)
+    if (!fit_to_blocks(now, 1, true, &view, &report)) return false;
+  found->view = view;
+  found->agreement = verify(view, now.frame);
+  if (!is_accepted(found->agreement)) return false;
+  copy(q_.data, q_.count, found_q_.data);
+  settle(now, &found->view, &found->agreement);
+  return true;
+}
+
+/// Goes on fitting a solution to blocks until that hardly turns it, or fewer of them agree: templates are captured where the start
+/// puts the surface, and keep its error. \pre found_q_ are the parameters of the solution.
+void PrintFinder::settle(const Picture& in, View* best, PrintAgreement* best_agreement) {
   copy(found_q_.data, found_q_.count, q_.data);
   float cosine = 0;
   for (int k = 0; k < kPrintTuning.settling_passes && cosine < kTuning.settled_half_cosine; ++k) {
-    View view = best->view;
+    View view = *best;
     FitReport report;
-    if (!fit_to_blocks(in, &view, &report)) return;
+    if (!fit_to_blocks(in, 1, true, &view, &report)) return;
     const PrintAgreement agreement = verify(view, in.frame);
-    if (agreement.agreed < best->agreement.agreed) return;
-    cosine = half_cosine(best->view.q, view.q);
-    best->view = view;
-    best->agreement = agreement;
+    if (agreement.agreed < best_agreement->agreed) return;
+    cosine = half_cosine(best->q, view.q);
+    *best = view;
+    *best_agreement = agreement;
     copy(q_.data, q_.count, found_q_.data);
   }
 }
@@ -242,8 +277,7 @@ void PrintFinder::fit_solutions(const View& start, const Picture& in, Solutions*
 /// where they are seen: what they show may be far from the model's origin, as the front of a box is.
 View PrintFinder::tilted_back(const View& view, bool bends) {
   for (float& value : q_) value = bends ? value : 0;
-  const float tolerance = max(kTuning.rigid_fraction * extent_px(view), kTuning.least_tolerance_px);
-  const Span<const Correspondence> points = points_near(view, tolerance);
+  const Span<const Correspondence> points = points_near(view, kTuning.rigid_fraction);
   for (float& value : q_) value = -value;
   View back = mirrored_tilt(view, matcher_.table().views()[0]);
   const Projector projector(back, true);
@@ -288,12 +322,13 @@ bool PrintFinder::is_clear(const Solutions& solutions) {
 PrintFinder::Candidate PrintFinder::fit_candidate(const View& start, const Picture& in) {
   Candidate c;
   c.view = start;
+  c.seed = seed_;
   FitReport report;
   if (!fit(in, true, kTuning.rigid_fraction, &c.view, &report) ||
       !fit(in, true, kTuning.bent_fraction, &c.view, &report))
     return c;
   for (int k = 0; k < kPrintTuning.block_passes; ++k)
-    if (!fit_to_blocks(in, &c.view, &report)) return c;
+    if (!fit_to_blocks(in, 1, true, &c.view, &report)) return c;
   c.residual_px = square_root(1 + kTuning.bending * bent_of(q_)) * report.rms_px;
   c.agreement = verify(c.view, in.frame);
   c.is_accepted = report.used >= kTuning.least_points && is_accepted(c.agreement);
@@ -302,17 +337,16 @@ PrintFinder::Candidate PrintFinder::fit_candidate(const View& start, const Pictu
 
 /// \param tolerance  of the matches that are fitted, as a fraction of the extent.
 bool PrintFinder::fit(const Picture& in, bool bends, float tolerance, View* view, FitReport* report) {
-  return fit_to(points_near(*view, max(tolerance * extent_px(*view), kTuning.least_tolerance_px)), in, bends,
-                view, report);
+  return fit_to(points_near(*view, tolerance), in, bends, view, report);
 }
 
-/// The model as it is, to where its blocks are found.
-bool PrintFinder::fit_to_blocks(const Picture& in, View* view, FitReport* report) {
+/// The model as it is, to where its blocks are found. \param spacing  of their samples, in that of a check.
+bool PrintFinder::fit_to_blocks(const Picture& in, float spacing, bool bends, View* view, FitReport* report) {
   const Projector projector(*view, true);
   PosedSurface surface{&fitter_.cascade(), q_.data, &projector, &lens_};
   const std::size_t count = match_blocks(in.frame, model_, matcher_.table(), {&surface, project_posed},
-                                         print_block_px(extent_px(*view)), points_);
-  return fit_to({points_.data, count}, in, true, view, report);
+                                         spacing * print_block_px(extent_px(*view)), points_);
+  return fit_to({points_.data, count}, in, bends, view, report);
 }
 
 bool PrintFinder::fit_to(Span<const Correspondence> points, const Picture& in, bool bends, View* view,
@@ -330,7 +364,9 @@ bool PrintFinder::fit_to(Span<const Correspondence> points, const Picture& in, b
 }
 
 /// Matches that lie near their place on the present surface, and suggest a view similar to the one that is fitted.
+/// \param tolerance  the distance, as a fraction of the extent.
 Span<const Correspondence> PrintFinder::points_near(const View& view, float tolerance) {
+  const float tolerance_px = max(tolerance * extent_px(view), kTuning.least_tolerance_px);
   const Projector projector(view, true);
   std::size_t count = 0;
   for (std::size_t k = 0; k < match_count_ && count < points_.count; ++k) {
@@ -339,7 +375,7 @@ Span<const Correspondence> PrintFinder::points_near(const View& view, float tole
     if (!is_similar(m, matches_[seed_]) ||
         !projector.project(fitter_.cascade().surface_point(m.uv, q_.data), &x))
       continue;
-    if (length(x - m.x) <= tolerance) points_[count++] = {m.uv, lens_.distort(m.x), m.sd_px, false};
+    if (length(x - m.x) <= tolerance_px) points_[count++] = {m.uv, lens_.distort(m.x), m.sd_px, false};
   }
   return {points_.data, count};
 }

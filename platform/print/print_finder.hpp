@@ -33,7 +33,7 @@ class PrintFinder {
   Status status() const { return status_; }
 
   /// Searches as far as `work` allows (cells, TrackerLimits::search_work), and goes on in the next call:
-  /// corners of one frame are matched until they are done. The result is verified in the present frame.
+  /// corners of one frame are matched until they are done. What is found there is carried to the present frame, and verified.
   /// \param q  out: all parameters, if the surface is found.
   /// \return not_found: nothing yet.
   Status search(const FrameView& frame, std::uint32_t work, const Camera& camera, float* q,
@@ -48,6 +48,7 @@ class PrintFinder {
   /// A fit and its verification.
   struct Candidate {
     View view;
+    std::size_t seed = 0;   // the match that suggested it
     float residual_px = 0;  // rms, the larger the more the shape is bent
     PrintAgreement agreement;
     bool is_accepted = false;
@@ -60,7 +61,9 @@ class PrintFinder {
   CornerChoice choice() const;
   void gather();
   bool fit_views(Span<const ViewVotes> views, const Picture& in, FoundPrint* found);
-  void settle(const Picture& in, Candidate* best);
+  PixelBox box_of_matches(const View& view);
+  bool carry(const Picture& now, FoundPrint* found);
+  void settle(const Picture& in, View* best, PrintAgreement* best_agreement);
   bool waits(const FoundPrint& found, bool is_quick);
   void fit_solutions(const View& start, const Picture& in, Solutions* solutions);
   View tilted_back(const View& view, bool bends);
@@ -69,7 +72,7 @@ class PrintFinder {
   static bool is_clear(const Solutions& solutions);
   Candidate fit_candidate(const View& start, const Picture& in);
   bool fit(const Picture& in, bool bends, float tolerance, View* view, FitReport* report);
-  bool fit_to_blocks(const Picture& in, View* view, FitReport* report);
+  bool fit_to_blocks(const Picture& in, float spacing, bool bends, View* view, FitReport* report);
   bool fit_to(Span<const Correspondence> points, const Picture& in, bool bends, View* view,
               FitReport* report);
   Span<const Correspondence> points_near(const View& view, float tolerance);

@@ -1,5 +1,6 @@
 #include "print/print_matcher.hpp"
 
+#include "base/arrays.hpp"
 #include "base/integers.hpp"
 #include "pliant/corners.hpp"
 #include "print/distinct_best.hpp"
@@ -77,6 +78,21 @@ Status PrintMatcher::begin(const FrameView& frame, CornerChoice choice) {
   choice_ = choice;
   is_searching_ = true;
   return status;
+}
+
+Vec2 PrintMatcher::move_on(const FrameView& now, const PixelBox& box) {
+  const int level = pyramid_.levels() - 1;
+  const ImageView& small = pyramid_.level(level);
+  Arena scratch(scratch_.data, scratch_.count);
+  const std::size_t pixels = static_cast<std::size_t>(small.width * small.height);
+  const Span<std::uint8_t> before = scratch.take_span<std::uint8_t>(pixels);
+  copy(small.data, pixels, before.data);
+  if (pyramid_.build(now) != Status::ok) return {};
+  const PixelBox small_box{box.x0 >> level, box.y0 >> level, box.x1 >> level, box.y1 >> level};
+  const CoarseTranslation shift =
+      find_coarse_translation({before.data, small.width, small.height, small.width}, small_box, small,
+                              small.width / kTuning.motion_divisor);
+  return shift.correlation > 0 ? static_cast<float>(1 << level) * shift.by : Vec2{};
 }
 
 std::size_t PrintMatcher::most_matches() {

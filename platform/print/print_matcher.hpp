@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "pliant/arena.hpp"
+#include "pliant/coarse_translation.hpp"
 #include "pliant/pyramid.hpp"
 #include "print/descriptor.hpp"
 #include "print/print_table.hpp"
@@ -39,6 +40,12 @@ class PrintMatcher {
   /// \return true after the last part; the matcher is idle then.
   bool step(std::uint32_t work);
   static std::size_t most_matches();
+
+  /// The frame whose corners were found: a copy.
+  const ImageView& searched() const { return pyramid_.level(0); }
+  /// Takes a later frame instead of it. \param box  px of that frame
+  /// \return by how much the box has moved since, px: 0 where nothing like it is found within the range (PrintTuning).
+  Vec2 move_on(const FrameView& now, const PixelBox& box);
 
   Span<const FrameCorner> corners() const { return {corners_.data, corner_count_}; }
   Span<const PrintMatch> matches() const { return {matches_.data, match_count_}; }

@@ -48,6 +48,14 @@ struct PrintTuning {
   /// Further ones of the best solution, count, at most (docs/algorithms.md, section 7.17). A can with a word, small text and spots
   /// began up to 10 px off, of 330, after four, and stayed so. Round value.
   int settling_passes = 12;
+  /// Motion during a search of several frames is looked for up to this fraction of the frame's width. Round value, not tuned.
+  int motion_divisor = 4;
+  /// Spacing of blocks to which the surface of an earlier frame is fitted first, in that of others, and fits without bending with
+  /// this spacing and with each half of it: blocks are found up to two samples away. Of 13 films of moving surfaces all 20
+  /// searches were carried to their last frame, with one fit each 20 of 21, with one of spacing 2 alone 25 of 34, without 19 of 41
+  /// (docs/experiments.md, Searches of several frames).
+  float carried_spacing = 4;
+  int carried_passes = 2;
   /// Blocks that a check compares, count, at most, a round value; and times as many places that are tried until so many face the
   /// camera. With one time 8 to 12 blocks of a ball can be compared, and most of its right views have too few.
   std::size_t blocks = 48, block_rounds = 4;

@@ -94,14 +94,9 @@ bool accepts_template(void* tracker, const FrameRegion& region, Vec2 uv, const P
   TrackerParts& t = *static_cast<TrackerParts*>(tracker);
   const PrintDetectionState& self = self_of(t);
   if (!self.table.is_open() || !(t.is_started || self.is_own_start())) return true;
-  const ImageView& image = region.pyramid().level(0);
-  FrameView view;
-  view.data = image.data;
-  view.width = image.width;
-  view.height = image.height;
-  view.stride_bytes = static_cast<std::size_t>(image.stride);
   const float block_px = print_block_px(t.estimator.view().s * self.table.extent_mm());
-  return shows_print(view, t.table, {uv, seen.x - region.origin(), seen.jacobian}, block_px);
+  return shows_print(frame_of(region.pyramid().level(0)), t.table,
+                     {uv, seen.x - region.origin(), seen.jacobian}, block_px);
 }
 
 /// Lays the search out in the memory of the tracking, if that has it now.

@@ -269,9 +269,26 @@ void add_alignment_loads(const AlignerTable& aligner, const TrackerLimits& limit
                    static_cast<double>(s.costs.coarse_pixel)});
 }
 
+/// Fits to blocks after those of all views, at most: the best solution settles, and is carried to a later frame.
+double most_further_passes(bool is_carried) {
+  const PrintTuning& t = kPrintTuning;
+  double passes = t.settling_passes;
+  if (!is_carried) return passes;
+  for (float spacing = t.carried_spacing; spacing > 1; spacing /= 2) passes += t.carried_passes;
+  return passes + t.block_passes + t.settling_passes;
+}
+
+/// How a surface that was found in an earlier frame is found in this one, beside fits.
+void add_carry_loads(const Sizes& s, const TrackerLimits& limits, Loads& loads) {
+  const int range = (limits.width >> (kPrintTuning.levels - 1)) / kPrintTuning.motion_divisor + 1;
+  const double compared = 1.0 * most_shifts(range) * kCoarseTranslationTuning.max_pixels;
+  loads.push_back(
+      {"pixels compared for the motion of a print", 0, compared, static_cast<double>(s.costs.coarse_pixel)});
+  loads.push_back({"pixels of its pyramid", 0, 4.0 / 3 * s.frame_pixels, kCost.pyramid_pixel});
+}
+
 /// What checks of a print add to a tracked frame, and the frames that search for it and start with it.
-/// \param most_cells  of the search, in one frame.
-void add_print_loads(const Sizes& s, const TrackerLimits& limits, std::size_t most_cells, Plan& plan) {
+void add_print_loads(const Sizes& s, const TrackerLimits& limits, const PrintSearchPlan& search, Plan& plan) {
   const double blocks = static_cast<double>(kPrintTuning.blocks),
                interval = kPrintTuning.check_interval_frames;
   const double tries =
@@ -286,26 +303,30 @@ void add_print_loads(const Sizes& s, const TrackerLimits& limits, std::size_t mo
   const char* const kTurned = "places of the print that turn away";
   plan.loads.push_back({kTurned, 0, further * blocks, place});
   plan.loads.push_back({"blocks where a key frame wants templates", 0, tries, kCost.print_block});
-  const double cells = static_cast<double>(most_cells), fits = static_cast<double>(kPrintTuning.solutions);
+  const double cells = static_cast<double>(search.cells), fits = static_cast<double>(kPrintTuning.solutions);
   plan.search_loads.push_back(
       {"cells of the search", std::min<double>(limits.search_work, cells), cells, kCost.print_cell});
   plan.start_loads = plan.search_loads;
+  const bool is_carried = search.frames > 1;
+  const double more_passes = most_further_passes(is_carried);
   const auto add_views = [&](Loads& loads, double usual_matches, double usual_fits) {
     const double matches = static_cast<double>(PrintMatcher::most_matches());
     loads.push_back({"pairs of matches that vote for views", usual_matches * usual_matches, matches * matches,
                      kCost.print_pair});
-    // Settling is counted as fits of so many passes.
-    const double settling = static_cast<double>(kPrintTuning.settling_passes) / kPrintTuning.block_passes;
-    loads.push_back({"fits of the print", usual_fits, fits * static_cast<double>(kPrintTuning.most_views) + settling,
-                     kCost.print_fit + kCost.print_fit_record * s.all_records});
+    // Settling, and what carries a surface to a later frame, are counted as fits of so many passes.
+    loads.push_back(
+        {"fits of the print", usual_fits,
+         fits * static_cast<double>(kPrintTuning.most_views) + more_passes / kPrintTuning.block_passes,
+         kCost.print_fit + kCost.print_fit_record * s.all_records});
   };
+  if (is_carried) add_carry_loads(s, limits, plan.search_loads);
+  if (is_carried) add_carry_loads(s, limits, plan.start_loads);
   add_views(plan.search_loads, 0, 0);
   add_views(plan.start_loads, kUsual.print_matches, fits + 1.0 / kPrintTuning.block_passes);
   const double of_fit =
       static_cast<double>(kPrintTuning.block_passes) * static_cast<double>(kPrintTuning.fitted_points) +
       blocks;
-  const double of_settling = static_cast<double>(kPrintTuning.settling_passes) *
-                             (static_cast<double>(kPrintTuning.fitted_points) + blocks);
+  const double of_settling = more_passes * (static_cast<double>(kPrintTuning.fitted_points) + blocks);
   const double of_search =
       further * (fits * static_cast<double>(kPrintTuning.most_views) * of_fit + of_settling);
   plan.search_loads.push_back({kTurned, 0, of_search, place});
@@ -453,7 +474,7 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
     PrintTable print;
     const bool is_open = PrintTable::open(model.print(), &print) == Status::ok;
     const PrintSearchPlan search = print_search_plan(limits, print.keypoints().count);
-    add_print_loads(sizes, limits, search.cells, plan);
+    add_print_loads(sizes, limits, search, plan);
     if (is_open) plan.print_search_frames = search.frames;
   }
   add_start_loads(sizes, limits, plan.search.does_both || plan.search.all_cells == 0, plan.start_loads);

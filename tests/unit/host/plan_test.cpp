@@ -305,6 +305,14 @@ TEST_CASE(
   CHECK(most_counted_instructions(plan.loads) > most_counted_instructions(bare.loads));
   CHECK(most_instructions(plan.search_loads) > 0);
   CHECK(bare.search_loads.empty());
+  // A search of one frame carries nothing to a later one.
+  TrackerLimits slow;
+  slow.search_work = 1000;
+  const char* const kMotion = "pixels compared for the motion of a print";
+  for (const Load& load : plan.search_loads) CHECK(load.what != std::string(kMotion));
+  CHECK(most_of(make_plan(model, slow).search_loads, kMotion) > 0);
+  CHECK(most_of(make_plan(model, slow).search_loads, "fits of the print") ==
+        most_of(plan.search_loads, "fits of the print") + 5);
   InArena<Tracker> tracker(model, limits);
   const std::vector<float> rest(model.parameters().count, 0);
   for (std::uint32_t n = 0; n < 12; ++n) {

@@ -79,6 +79,47 @@ TEST_CASE("a search with little work a frame ends at the same place some frames 
   CHECK(film.turned_from(pose) < 0.05f);
 }
 
+/// Frames until a search with little work a frame has found the sheet, of 40; 0: not found. \param shown  whether a frame shows it.
+template <class Shown>
+int frames_until_found(Film* film, float px_a_frame, const Shown& shown, Pose* last) {
+  for (int k = 0; k < 40; ++k) {
+    // Back and forth, 12 frames each way.
+    const int phase = k % 24, way = phase < 12 ? phase : 24 - phase;
+    *last = posed(0.2f, 0.3f, 0.4f + 0.01f * static_cast<float>(way), 0.9f);
+    last->t.x = px_a_frame * static_cast<float>(way - 6) * last->t.z / kCamera.f;
+    const auto seed = static_cast<std::uint32_t>(k);
+    REQUIRE(film->show(shown(k) ? picture_of(*last, kRest, 3) : make_background(kWidth, kHeight, seed)) ==
+            Status::ok);
+    if (film->tracker->is_started()) return k + 1;
+  }
+  return 0;
+}
+
+TEST_CASE("a sheet that moves while its search takes several frames is found where it is now") {
+  TrackerLimits limits;
+  limits.search_work = 1000;
+  for (const float px_a_frame : {2.0f, 5.0f, 8.0f}) {
+    CAPTURE(px_a_frame);
+    Film film(sheet(), limits);
+    Pose pose;
+    const int frames = frames_until_found(
+        &film, px_a_frame, [](int) { return true; }, &pose);
+    REQUIRE(frames > 4);
+    CHECK(frames <= 20);
+    CHECK(film.turned_from(pose) < 0.05f);
+    CHECK(length(film.result.pose.t - pose.t) < 0.01f * pose.t.z);
+  }
+}
+
+TEST_CASE("a sheet that has left the picture when its search ends starts nothing") {
+  TrackerLimits limits;
+  limits.search_work = 1000;
+  Film film(sheet(), limits);
+  Pose pose;
+  CHECK(frames_until_found(
+            &film, 2, [](int k) { return k % 40 < 2; }, &pose) == 0);
+}
+
 TEST_CASE("pictures without the sheet start nothing: flat, noise, checkerboards, blotches, another print") {
   Random random(3);
   std::vector<Image> pictures;
