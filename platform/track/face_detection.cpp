@@ -1,6 +1,7 @@
 // What connects FaceSearch and FaceChecks with the tracker.
 #include <new>
 
+#include "base/integers.hpp"
 #include "track/face_detection_state.hpp"
 #include "track/found_track.hpp"
 #include "track/realignment.hpp"
@@ -47,8 +48,9 @@ DetectionState* lay_out(Arena& arena, const Model& model, const TrackerLimits& l
 
 std::size_t bytes_of_check(const Model& model, const TrackerLimits& limits) {
   if (!is_available(model, limits)) return 0;
-  const bool aligns = limits.second_look != nullptr;  // which takes more
-  return aligns ? limits.second_look->bytes(model) : check_bytes(model, limits);
+  // Of a model with many expressions a check may take more than an alignment.
+  const std::size_t check = check_bytes(model, limits);
+  return limits.second_look == nullptr ? check : larger(check, limits.second_look->bytes(model));
 }
 
 std::size_t bytes_of_reading(const Model& model, const TrackerLimits& limits) {

@@ -1,6 +1,7 @@
 #include "model_builder.hpp"
 
 #include <cstring>
+#include <utility>
 
 ModelBuilder::ModelBuilder() = default;
 ModelBuilder::ModelBuilder(const ModelBuilder&) = default;
@@ -109,7 +110,10 @@ std::vector<std::uint32_t> ModelBuilder::table() const {
   using pliant::table::Kind;
   std::vector<unsigned char> body;
   std::vector<pliant::table::Section> sections;
-  const std::size_t section_count = 9u + (curves.empty() ? 0u : 1u) + (stretch.empty() ? 0u : 1u);
+  const std::pair<Kind, const std::vector<unsigned char>&> optional[] = {
+      {Kind::stretch, stretch}, {Kind::detector, detector}, {Kind::aligner, aligner}};
+  std::size_t section_count = curves.empty() ? 9 : 10;
+  for (const auto& section : optional) section_count += !section.second.empty();
   const std::size_t directory =
       sizeof(pliant::table::Header) + section_count * sizeof(pliant::table::Section);
   const auto add = [&](Kind kind, const void* data, std::size_t count, std::size_t size) {
@@ -131,7 +135,8 @@ std::vector<std::uint32_t> ModelBuilder::table() const {
   add(Kind::curves, curves.data(), curves.size(), sizeof(pliant::Curve));
   if (!curves.empty())
     add(Kind::curve_points, curve_points.data(), curve_points.size(), sizeof(pliant::Vec2));
-  if (!stretch.empty()) add(Kind::stretch, stretch.data(), stretch.size(), 1);
+  for (const auto& [kind, bytes] : optional)
+    if (!bytes.empty()) add(kind, bytes.data(), bytes.size(), 1);
   while (body.size() % 4 != 0) body.push_back(0);
   pliant::table::Header h{pliant::table::kMagic, pliant::table::kVersion,
                           static_cast<std::uint32_t>(directory + body.size()), 0,

@@ -19,7 +19,7 @@ struct ModelBuilder {
   std::vector<pliant::Landmark> landmarks;
   std::vector<pliant::Curve> curves;
   std::vector<pliant::Vec2> curve_points;
-  std::vector<unsigned char> stretch;
+  std::vector<unsigned char> stretch, detector, aligner;  // sections, if not empty
 
   ModelBuilder();  // these three are in the source, so that they are compiled once
   ModelBuilder(const ModelBuilder&);

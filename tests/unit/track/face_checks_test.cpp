@@ -5,6 +5,8 @@
 
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
+#include "open_model.hpp"
+#include "track/tracker_parts.hpp"
 #include "track/tracker_sizes.hpp"
 
 namespace face_checks_test {
@@ -358,6 +360,28 @@ TEST_CASE("a head that is turned by more than 50 degrees is degraded, and tracke
     CHECK(film.turn_error(result.pose, n) < 3);
     if (turn < 46) CHECK(result.state == TrackState::tracking);
     if (turn > 54) CHECK(result.state == TrackState::degraded);
+  }
+}
+
+TEST_CASE("a check fits into memory that is unused between frames, also beside second looks, which may take less") {
+  for (const int expressions : {0, 100, 180}) {
+    CAPTURE(expressions);
+    ModelBuilder builder = egg_model(1);
+    for (int k = 0; k < expressions; ++k) {
+      const std::uint16_t q = builder.parameter("e" + std::to_string(k), Group::expression, 0, 1, 0.3f);
+      builder.record(Operation::add_vector, {builder.last()}, {q}, 0);
+    }
+    builder.detector = builder.aligner = {0, 0, 0, 0};
+    const OpenModel opened(builder);
+    TrackerLimits limits = without_edges(without_person(TrackerLimits{}));
+    limits.width = 160, limits.height = 120;
+    limits.patches = 48;
+    limits.free_parameters = 40;
+    REQUIRE(limits.second_look != nullptr);
+    InArena<ImageParts> parts(opened.model, limits);
+    Arena arena(parts->unused_between_frames.data, parts->unused_between_frames.count);
+    CHECK(limits.detection->modules->lay_out_for_known_person(arena, opened.model) != nullptr);
+    CHECK(!arena.exhausted());
   }
 }
 
