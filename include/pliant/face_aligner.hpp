@@ -60,8 +60,8 @@ class FaceAligner {
   void lay_out_scratch(Arena& scratch);
   /// Bytes of it.
   static std::size_t scratch_bytes(const Model& model);
-  /// The same for `verify`, and for alignments that leave only expressions free (others return capacity), in half of the memory:
-  /// what the fields are at each landmark is not kept from step to step.
+  /// The same for `verify`, and for alignments that leave no more parameters free than the model has expressions (others return
+  /// capacity), in half of the memory: what the fields are at each landmark is not kept from step to step.
   void lay_out_for_known_person(Arena& arena, const Model& model);
   /// The same with another table.
   /// \param table  a learnt table, aligned to 4 bytes; it must outlive this object. A bad one is told by `status`.

@@ -104,6 +104,12 @@ TEST_CASE(
   REQUIRE(known.aligner.verify(frame, known.camera(), near, person.data(), &verified[1]) == Status::ok);
   CHECK(verified[0].score == verified[1].score);
   CHECK(known.aligner.refine(frame, known.camera(), near, &known.face, known.q.data()) == Status::capacity);
+  // There is room for so many parameters, whichever.
+  std::vector<std::uint8_t> others;
+  for (const std::uint8_t flag : free) others.push_back(flag == 0);
+  REQUIRE(std::count(others.begin(), others.end(), 1) <= std::count(free.begin(), free.end(), 1));
+  CHECK(known.aligner.refine(frame, known.camera(), near, &known.face, known.q.data(), {}, {others.data()}) ==
+        Status::ok);
 }
 
 TEST_CASE("a score that is taken twice is the larger one, unless the second is below 0.3") {
