@@ -12,8 +12,6 @@ namespace pliant {
 
 namespace {
 
-constexpr int kMostSide = kMostPictureSide;
-
 PLIANT_WIDE_VECTORS
 void add_lines(const std::uint8_t* __restrict above, const std::uint8_t* __restrict line,
                const std::uint8_t* __restrict below, int side, std::uint16_t* __restrict out) {
@@ -30,8 +28,8 @@ void smooth_sums(const std::uint16_t* __restrict sums, int side, std::uint8_t* _
 /// In place.
 void smooth(std::uint8_t* pixels, int side) {
   const auto bytes = static_cast<std::size_t>(side);
-  std::uint8_t above[kMostSide];  // the line above as it was
-  std::uint16_t sums[kMostSide + 2];
+  std::uint8_t above[kMostPictureSide];  // the line above as it was
+  std::uint16_t sums[kMostPictureSide + 2];
   std::memcpy(above, pixels, bytes);
   std::uint8_t* line = pixels;
   for (int y = 0; y < side; ++y, line += side) {
@@ -46,7 +44,7 @@ void smooth(std::uint8_t* pixels, int side) {
 }  // namespace
 
 void smooth_noise(std::uint8_t* pixels, int side, int most_places) {
-  PLIANT_ASSERT(side >= 1 && side <= kMostSide);
+  PLIANT_ASSERT(side >= 1 && side <= kMostPictureSide);
   FrameView view;
   view.data = pixels;
   view.width = view.height = side;

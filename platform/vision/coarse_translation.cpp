@@ -14,7 +14,6 @@ namespace {
 
 constexpr CoarseTranslationTuning kTuning = kCoarseTranslationTuning;
 
-
 /// Of grey levels a of the reference and b of the image. Of kLargestSidePx and kTuning.max_pixels the sums of squares fit 32
 /// bits.
 struct Sums {
