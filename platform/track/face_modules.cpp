@@ -61,7 +61,7 @@ Status verify(FaceAligner& aligner, const FrameView& frame, const Camera& camera
 
 }  // namespace
 
-const FaceModules kFaceModules{is_available, lay_out_detector, lay_out_aligner, lay_out_for_known_person,
+constexpr FaceModules kFaceModules{is_available, lay_out_detector, lay_out_aligner, lay_out_for_known_person,
                                status,       search,           search_near,     begin,
                                advance,      refine,           verify};
 
@@ -82,18 +82,15 @@ Status search_near_rolled(FaceDetector& detector, const FrameView& frame, const 
   return static_cast<RolledDetector&>(detector).search_near(frame, box, face);
 }
 
+constexpr FaceModules with_rolls(FaceModules modules) {
+  modules.lay_out_detector = lay_out_rolled;
+  modules.search = search_rolled;
+  modules.search_near = search_near_rolled;
+  return modules;
+}
+
 }  // namespace
 
-const FaceModules kRolledFaces{is_available,
-                               lay_out_rolled,
-                               lay_out_aligner,
-                               lay_out_for_known_person,
-                               status,
-                               search_rolled,
-                               search_near_rolled,
-                               begin,
-                               advance,
-                               refine,
-                               verify};
+constexpr FaceModules kRolledFaces = with_rolls(kFaceModules);
 
 }  // namespace pliant
