@@ -60,11 +60,10 @@ inline bool FaceChecks::check(const FrameView& frame, Estimator& estimator, Span
                         : face.landmark_error;
   if (face.least_part >= kTuning.least_part || landmark_error_ <= kTuning.doubtful_error)
     is_doubtful_ = false;
-  ++poor_;
-  if (!is_aligned_ || !(is_doubtful_ || landmark_error_ > kTuning.most_landmark_error)) {
-    poor_ = 0;
-    patience_ = kTuning.poor_checks;
-  }
+  if (is_aligned_ && (is_doubtful_ || landmark_error_ > kTuning.most_landmark_error))
+    ++poor_;
+  else
+    forget_poor();
   return true;
 }
 

@@ -59,8 +59,8 @@ class FaceChecks {
   /// Precondition: the limits name a detection, and the model has its tables.
   void lay_out(const TrackerLimits& limits);
 
-  /// The next track may be of somebody else, elsewhere: poor tracks before it do not count.
-  void forget() {
+  /// Poor checks and tracks before do not count: the track is good, or the next one may be of somebody else, elsewhere.
+  void forget_poor() {
     poor_ = 0;
     patience_ = kFaceChecksTuning.poor_checks;
   }

@@ -64,7 +64,7 @@ void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptio
   FaceDetectionState& self = face_detection_of(t);
   self.face_search.expect({}, {});
   self.face_search.begin();
-  self.checks.forget();
+  self.checks.forget_poor();
   self.person.is_known = false;
   self.begin_search(t, start, options);
 }
@@ -98,7 +98,7 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
   self.landmark_error = 0;       // a start before may have failed
   self.person.is_known = false;  // also if this one does: it overwrites what is known
   self.marker_count = 0;
-  self.checks.forget();
+  self.checks.forget_poor();
   self.face_search.forget();
   if (rough.points >= kFaceSearchTuning.enough_points) return;
   self.face_search.refine({view, t.block.bytes, rough.options}, rough.box, &person_of(t), from,
