@@ -22,6 +22,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/words.hpp"
+#include "model/chart.hpp"
 
 namespace pliant::host::bake {
 
@@ -138,7 +139,7 @@ class FolderReader {
         const Vec3 p = rest_.vertices[at(c.vertex)];
         const auto [entry, fresh] = ids.insert({{p.x, p.y, p.z, t.x, t.y}, static_cast<int>(ids.size())});
         if (fresh) {
-          if (!(t.x >= 0 && t.x <= 1 && t.y >= 0 && t.y <= 1))
+          if (!is_in_chart(t))
             throw SourceError(rest_.path, rest_.polygon_line[polygon],
                               "a texture coordinate of the face is outside 0 to 1");
           source_.uv.push_back({t.x, 1 - t.y});

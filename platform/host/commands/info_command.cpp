@@ -8,6 +8,7 @@
 #include "host/io/curve_kinds.hpp"
 #include "host/io/files.hpp"
 #include "host/io/owned.hpp"
+#include "model/parameters.hpp"
 #include "pliant/cascade.hpp"
 #include "pliant/fit.hpp"
 #include "pliant/tracker.hpp"
@@ -103,9 +104,7 @@ void print_curves(const Model& model, std::ostream& out) {
 }
 
 void print_parameters(const Model& model, Group group, const char* title, std::ostream& out) {
-  std::size_t count = 0;
-  for (const Parameter& p : model.parameters()) count += p.group == group ? 1 : 0;
-  print(out, "%s parameters: %zu\n", title, count);
+  print(out, "%s parameters: %zu\n", title, count_of(group, model));
   for (const Parameter& p : model.parameters())
     if (p.group == group) {
       print(out, "  %-28s %7.3g to %-7.3g sd %.3g\n", p.name, static_cast<double>(p.minimum),

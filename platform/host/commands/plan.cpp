@@ -8,6 +8,7 @@
 #include "estimate/visible_surface.hpp"
 #include "face/aligner_table.hpp"
 #include "face/part_fit.hpp"
+#include "model/parameters.hpp"
 #include "optim/normal_equations_tuning.hpp"
 #include "print/print_matcher.hpp"
 #include "print/print_table.hpp"
@@ -76,8 +77,7 @@ constexpr UsualCounts kUsual{};
 /// Sizes that follow from the limits and the model.
 struct Sizes {
   Sizes(const Model& model, const TrackerLimits& l) {
-    std::size_t expressions = 0;
-    for (const Parameter& p : model.parameters()) expressions += p.group == Group::expression;
+    const std::size_t expressions = count_of(Group::expression, model);
     identities = static_cast<double>(model.parameters().count - expressions);
     free = l.free_parameters > 0 ? std::min<std::size_t>(l.free_parameters, expressions) : expressions;
     all_records = static_cast<double>(model.cascade().count);

@@ -1,4 +1,5 @@
 #include "host/learn/expression_variation.hpp"
+#include "model/parameters.hpp"
 
 #include <string>
 
@@ -15,8 +16,7 @@ void ExpressionVariation::add(std::vector<float>& q, const char* name, float fra
 }
 
 void ExpressionVariation::limit(std::vector<float>& q) const {
-  for (std::size_t k = 0; k < q.size(); ++k)
-    q[k] = clamp(q[k], model_.parameters()[k].minimum, model_.parameters()[k].maximum);
+  for (std::size_t k = 0; k < q.size(); ++k) q[k] = within_range(model_.parameters()[k], q[k]);
 }
 
 /// The mouth at rest, in which the lips meet, or a movement that leaves them together.

@@ -4,6 +4,7 @@
 
 #include "host/io/failure.hpp"
 #include "host/io/words.hpp"
+#include "model/parameters.hpp"
 
 namespace pliant::host {
 
@@ -125,7 +126,7 @@ std::vector<float> identity_of(const Model& model, const RetargetSetup& setup,
   }
   for (std::size_t k = 0; k < q.size(); ++k) {
     const Parameter& p = model.parameters()[k];
-    q[k] = p.group == Group::identity ? clamp(q[k], p.minimum, p.maximum) : 0;
+    q[k] = p.group == Group::identity ? within_range(p, q[k]) : 0;
   }
   return q;
 }
@@ -163,8 +164,7 @@ Retargeted retarget(const CsvTable& table, const Model& model, const RetargetSet
     RetargetFrame frame{0, {rows[from].pose, identity}};
     for (std::size_t k = 0; k < identity.size(); ++k) {
       if (wiring.columns_of(k).empty()) continue;
-      const Parameter& p = model.parameters()[k];
-      frame.state.q[k] = clamp(q[from][k], p.minimum, p.maximum);
+      frame.state.q[k] = within_range(model.parameters()[k], q[from][k]);
       if (magnitude(frame.state.q[k] - q[from][k]) > 1e-4f) is_limited[k] = 1;
     }
     out.frames.push_back(std::move(frame));
