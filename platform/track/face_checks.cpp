@@ -45,6 +45,7 @@ bool FaceChecks::is_due() const {
 inline bool FaceChecks::check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch) {
   Arena arena(scratch.data, scratch.count);
   FaceAligner* const aligner = modules_->lay_out_for_known_person(arena, estimator.model());
+  PLIANT_ASSERT(!arena.exhausted());  // check_bytes
   AlignedFace face;
   if (aligner == nullptr || modules_->verify(*aligner, frame, estimator.camera(), pose_of(estimator.view()),
                                              estimator.parameters().data, &face) != Status::ok)

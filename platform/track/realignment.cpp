@@ -157,6 +157,7 @@ bool realign(TrackerParts& t, const FrameView& frame) {
 bool realign_near(TrackerParts& t, const FrameView& frame) {
   Arena scratch(t.unused_between_frames.data, t.unused_between_frames.count);
   FaceAligner* const aligner = t.limits.detection->modules->lay_out_for_known_person(scratch, t.model());
+  PLIANT_ASSERT(!scratch.exhausted());  // check_bytes
   AlignedFace face;
   if (aligner == nullptr ||
       align_known(t, frame, *aligner, pose_of(t.estimator.view()), &face) != Status::ok || !is_right(face))
