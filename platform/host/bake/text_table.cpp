@@ -3,6 +3,7 @@
 #include <fstream>
 #include <optional>
 #include <sstream>
+#include <string_view>
 
 #include "host/bake/source_error.hpp"
 #include "host/io/numbers.hpp"
@@ -19,13 +20,13 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
-/// Reads a line without its end, which is a line feed, a carriage return, or both. False at the end of the file.
-bool read_line(std::istream& in, std::string& line) {
-  line.clear();
-  char c = 0;
-  while (in.get(c) && c != '\n' && c != '\r') line += c;
-  if (in && c == '\r' && in.peek() == '\n') in.get();
-  return in || !line.empty();
+/// Throws SourceError if the file cannot be read.
+std::string text_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string text;
+  for (char c = 0; in.get(c);) text += c;
+  if (!in.eof()) throw SourceError(path, 0, "cannot be read");
+  return text;
 }
 
 bool is_open(const std::vector<std::string>& columns) {
@@ -37,12 +38,11 @@ bool is_open(const std::vector<std::string>& columns) {
 
 TextTable::TextTable(const std::string& path, const std::vector<std::string>& columns)
     : path_(path), columns_(columns) {
-  std::ifstream in(path);
-  if (!in) throw SourceError(path, 0, "cannot be read");
+  const std::string text = text_of(path);
   bool have_header = false;
   int number = 0;
-  for (std::string line; read_line(in, line);) {
-    if (number == 0) line = without_byte_order_mark(line);
+  for (std::string_view rest = without_byte_order_mark(text); !rest.empty();) {
+    const std::string line(take_line(rest));
     TextRow row{++number, words_of(line)};
     if (row.cells.empty()) continue;
     if (!have_header) {
@@ -61,7 +61,6 @@ TextTable::TextTable(const std::string& path, const std::vector<std::string>& co
       fail(row, "'" + row.cells[columns.size()] + "' is one value too many");
     rows_.push_back(std::move(row));
   }
-  if (in.bad()) throw SourceError(path, 0, "cannot be read");
   if (!have_header) throw SourceError(path, 0, "has no table");
 }
 

@@ -33,11 +33,13 @@ inline std::string_view unquoted(std::string_view text) {
   return is_quoted ? text.substr(1, text.size() - 2) : text;
 }
 
-/// Takes the first line from a text, without its end: a line feed, a carriage return, or both. A text may have all of them.
+/// Takes the first line from a text, without its end: a line feed, a carriage return, or both. A text may have all of them. Where
+/// text with both has been written as text once more there are two carriage returns before the line feed: these are one end, too.
 inline std::string_view take_line(std::string_view& text) {
   const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
   text.remove_prefix(line.size());
-  text.remove_prefix(text.substr(0, 2) == "\r\n" ? 2 : text.empty() ? 0 : 1);
+  const std::size_t end = text.substr(0, 3) == "\r\r\n" ? 3 : text.substr(0, 2) == "\r\n" ? 2 : text.empty() ? 0 : 1;
+  text.remove_prefix(end);
   return line;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "host/bake/obj_file.hpp"
 #include "obj_folder.hpp"
 
 namespace obj_defects_test {
@@ -91,6 +92,14 @@ TEST_CASE("a line of an OBJ file that ends in a backslash goes on in the next on
   // The last line has none to go on in.
   CHECK(d.error_with("neutral.obj", d.good + "\\\n") == "");
   CHECK(d.error_with("neutral.obj", "v 1 2 3\\") == d.neutral + ":1: '3\\' is not a number");
+}
+
+TEST_CASE("two carriage returns and a line feed end one line of an OBJ file: a polygon that goes on keeps its corners") {
+  const Folder folder("written_twice");
+  const host::bake::ObjMesh mesh = host::bake::read_obj(
+      folder.put("quad.obj", "v 0 0 0\r\r\nv 1 0 0\r\r\nv 1 1 0\r\r\nv 0 1 0\r\r\nf 1 2 3 \\\r\r\n4\r\r\n"));
+  CHECK(mesh.corners.size() == 4);
+  CHECK(mesh.polygon_line.at(0) == 5);
 }
 
 TEST_CASE("a file of an OBJ folder that differs from neutral.obj in more than places is refused by name") {

@@ -54,6 +54,7 @@ TEST_CASE("each defect of a text table is one line that names the file and the l
   CHECK(error("\xef\xbb\xbfname x\r\na 1\r\n") == "");
   CHECK(error("# a comment\rname x\ra 1\r") == "");  // a carriage return alone ends lines, too
   CHECK(error("name x\r\ra 1\r\nb\r") == path + ":4: no value for column 'x'");
+  CHECK(error("name x\r\r\na 1\r\r\nb\r\r\n") == path + ":3: no value for column 'x'");  // as text twice
   CHECK(error("") == path + ": has no table");
   CHECK(error("name\na 1\n") == path + ":1: expected a column 'x'");
   CHECK(error("name,x\na,1\n") ==
@@ -67,6 +68,8 @@ TEST_CASE("each defect of a text table is one line that names the file and the l
   CHECK(error("name x\na 0x10\n") == path + ":2: '0x10' in column 'x' is not a number");
   CHECK(error("name x\na 1,5\n") == path + ":2: '1,5' in column 'x' is not a number");
   CHECK(error_of([&] { TextTable(path + "x", {"name"}); }) == path + "x: cannot be read");
+  CHECK(error_of([&] { TextTable(folder.path.string(), {"name"}); }) ==
+        folder.path.string() + ": cannot be read");
 }
 
 }  // namespace text_table_test
