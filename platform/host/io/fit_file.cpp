@@ -198,6 +198,8 @@ std::string fit_text(const FitFile& fit) {
 std::vector<std::uint16_t> parameters_named(const Model& model, const std::string& name) {
   const std::uint16_t one = model.find_parameter(name.c_str());
   if (one != kNone) return {one};
+  // ARKit's jawLeft and jawRight, mouthLeft and mouthRight are opposite motions, not sides of one.
+  if (name == "jaw" || name == "mouth") return {};
   const std::uint16_t left = model.find_parameter((name + "Left").c_str());
   const std::uint16_t right = model.find_parameter((name + "Right").c_str());
   if (left == kNone || right == kNone) return {};

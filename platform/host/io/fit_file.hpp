@@ -47,7 +47,7 @@ Quat unit_of(Quat q);
 bool is_nearly_unit(Quat q);
 
 /// The parameters that a name drives: the parameter of that name, or both sides if the name stands for a pair (`browInnerUp`).
-/// Empty if there is none.
+/// Empty if there is none; so for `jaw` and `mouth`, whose Left and Right are directions.
 std::vector<std::uint16_t> parameters_named(const Model& model, const std::string& name);
 
 /// Sets the named values in q (all parameters). Bad input in `source` for a value outside its parameter's limits.

@@ -333,6 +333,8 @@ TEST_CASE("bad arguments and bad files are refused with a message that names the
   check_refused({"mesh", m.path, "--param", "smirk=1"}, {"m.plm", "'smirk'"});
   check_refused({"mesh", m.path, "--param", "jawOpen=1.5"}, {"jawOpen", "limits 0 and 1"});
   check_refused({"mesh", PLIANT_BAKED_FACE, "--param", "jawOpen=0.46"}, {"jawOpen", "limits 0 and 0.45\n"});
+  for (const char* name : {"jaw", "mouth"})  // whose Left and Right are directions
+    check_refused({"mesh", PLIANT_BAKED_FACE, "--param", name + std::string("=0.3")}, {"has no parameter", name});
   check_refused({"mesh", m / "none.plm"}, {"none.plm"});
   check_refused({"mesh", m.put("bad.plm", "PLM1")}, {"bad.plm"});
   check_refused({"mesh", m.path, "-o", m / "no/out.obj"}, {"no/out.obj"});
