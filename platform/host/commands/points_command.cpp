@@ -258,7 +258,8 @@ int run_points(const Args& args, Console& console) {
                                              {"script", kPointsScript}}));
   console.out << output << ": " << handles.size() << (has_uv ? " points of the chart, " : " landmarks, ")
               << on_count
-              << " switched on; open it in a browser, and save points.csv for `pliant fit --points`\n";
+              << " switched on; open it in a browser, and save points.csv for `pliant "
+              << (args.has("--frames") ? "track --init" : "fit --points") << "`\n";
   return 0;
 }
 

@@ -230,6 +230,7 @@ TEST_CASE("points take the first frame of a video") {
   const Ran r = run_words({"points", s.model, "--frames", s.video, "--start", s.points, "-o", s / "p.html"});
   CAPTURE(r.err);
   REQUIRE(r.code == 0);
+  CHECK(contains(r.out, "`pliant track --init`"));
   const Json data = data_of(read_file(s / "p.html"));
   CHECK(number(data, "width") == 200);
   CHECK(number(data, "height") == 160);
