@@ -18,7 +18,9 @@ bool is_of_tables(Status status) {
 /// Bad input: no track starts.
 void require_start(Status status, const std::string& where) {
   if (status == Status::too_few_points)
-    fail_input(where, "the model is not in the picture where the start puts it, or has no texture there");
+    fail_input(where,
+               "the model is not in the picture where the start puts it, or shows its back (points with sides swapped, or "
+               "with y upwards?), or has no texture there");
   require(status, where);
 }
 

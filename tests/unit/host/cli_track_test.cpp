@@ -394,6 +394,20 @@ TEST_CASE("a focal length that hardly a camera has is told of, in one line") {
   }
 }
 
+TEST_CASE("points that are mirrored start no track, and the message asks whether they are") {
+  const Sequence s;
+  std::istringstream in(s.first_points());
+  std::string line, mirrored;
+  std::getline(in, mirrored);
+  while (std::getline(in, line)) {
+    const std::size_t x = line.find(',') + 1, y = line.find(',', x);
+    mirrored += "\n" + line.substr(0, x) + std::to_string(199 - std::stof(line.substr(x, y - x))) + line.substr(y);
+  }
+  auto words = s.track_words();
+  words[5] = s.put("mirrored.csv", mirrored + "\n");
+  check_refused(words, {"frame 0", "shows its back", "sides swapped"});
+}
+
 TEST_CASE("frames, markers and truths that a track cannot use are refused by name") {
   const Sequence s;
   auto words = s.track_words();
