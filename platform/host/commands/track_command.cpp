@@ -262,8 +262,8 @@ Command track_command() {
        {"--arkit", nullptr,
         "write ARKit's 52 coefficients, each from 0 to 1, instead of the model's parameters"},
        {"--markers", "CSV",
-        "landmark,x,y in frame 0: points to track with the surface and to write, which the tracker never "
-        "uses",
+        "landmark,x,y in frame 0 of a track with --init or --box: points to track with the surface and to write, which "
+        "the tracker never uses",
         Takes::input},
        {"--marker-exclusion-px", "R", "distance that templates keep from markers (8)"},
        {"--focal", "PX", "focal length, if known"},
