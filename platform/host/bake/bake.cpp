@@ -62,7 +62,13 @@ Source read_all(const BakeOptions& options) {
     obj.progress = options.progress;
     return read_obj_source(options.source, obj);
   }
-  if (!std::filesystem::exists(options.source)) throw SourceError(options.source, 0, "no such file or folder");
+  std::error_code error;
+  if (!std::filesystem::exists(options.source, error))
+    throw SourceError(options.source, 0, error ? error.message() : "no such file or folder");
+  if (!std::filesystem::is_directory(options.source, error))
+    throw SourceError(options.source, 0, "is neither an OBJ file nor a folder");
+  if (std::filesystem::directory_iterator(options.source, error); error)
+    throw SourceError(options.source, 0, error.message());
   throw SourceError(options.source, 0,
                     "has neither the tables of a surface (points.txt and others) nor OBJ files");
 }

@@ -234,7 +234,8 @@ Source read_cage_source(const std::string& folder) {
 }
 
 bool is_cage_folder(const std::string& folder) {
-  return std::filesystem::exists(folder + "/points.txt");
+  std::error_code error;  // as of a folder that may not be read
+  return std::filesystem::exists(folder + "/points.txt", error);
 }
 
 }  // namespace pliant::host::bake

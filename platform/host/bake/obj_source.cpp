@@ -31,7 +31,8 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_obj_file(const std::string& source) {
-  return ends_with(in_lower_case(source), ".obj") && !fs::is_directory(source);
+  std::error_code error;  // as of a link that leads to itself: reading it then says so
+  return ends_with(in_lower_case(source), ".obj") && !fs::is_directory(source, error);
 }
 
 /// Vertices of a mesh, count, at most: about four samples of the largest rest shape each. Bounds the time.

@@ -485,6 +485,10 @@ TEST_CASE("bake refuses a folder without a source in one line and writes nothing
   check_refused({"bake", folder.path.string(), "-o", folder / "m.plm"}, {folder.path.string()});
   check_refused({"bake", folder / "none", "-o", folder / "m.plm"}, {"none: no such file or folder"});
   CHECK(folder.file_count() == 0);
+  check_refused({"bake", folder.put("mesh.ply", "ply\n"), "-o", folder / "m.plm"},
+                {"pliant bake: " + (folder / "mesh.ply") + ": is neither an OBJ file nor a folder"});
+  fs::create_symlink("loop.obj", folder.path / "loop.obj");
+  check_refused({"bake", folder.path.string(), "-o", folder / "m.plm"}, {"pliant bake: " + folder.path.string()});
 }
 
 }  // namespace cli_test
