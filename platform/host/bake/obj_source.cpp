@@ -21,6 +21,7 @@
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
+#include "host/io/sources.hpp"
 #include "host/io/words.hpp"
 #include "model/chart.hpp"
 
@@ -47,13 +48,13 @@ std::string name_of(const std::string& path) {
   return fs::path(path).stem().string();
 }
 
-/// The OBJ files, sorted by their names. Hidden ones are left out: some systems put one of another kind beside each file.
+/// The OBJ files, sorted by their names.
 std::vector<std::string> obj_files(const std::string& source) {
   if (is_obj_file(source)) return {source};
   std::vector<std::string> files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(source, error))
-    if (is_obj_file(entry.path().string()) && entry.path().filename().string()[0] != '.')
+    if (is_obj_file(entry.path().string()) && is_file_of_folder(entry))
       files.push_back(entry.path().string());
   std::sort(files.begin(), files.end(), [](const std::string& a, const std::string& b) {
     return std::pair(name_of(a), a) < std::pair(name_of(b), b);

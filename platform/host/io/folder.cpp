@@ -92,12 +92,13 @@ bool has_picture_extension(const std::string& path) {
   return is_pnm(ending) || ending == ".png" || ending == ".jpg" || ending == ".jpeg";
 }
 
-bool is_picture_of_folder(const std::filesystem::directory_entry& entry) {
+bool is_file_of_folder(const std::filesystem::directory_entry& entry) {
   std::error_code error;
-  // Some systems put a hidden file with the same ending beside a picture, which holds something else. A pipe would be waited for; a
-  // link to nothing is a picture that is missing.
-  return has_picture_extension(entry.path().string()) && entry.path().filename().string()[0] != '.' &&
-         (entry.is_regular_file(error) || !entry.exists(error));
+  return entry.path().filename().string()[0] != '.' && (entry.is_regular_file(error) || !entry.exists(error));
+}
+
+bool is_picture_of_folder(const std::filesystem::directory_entry& entry) {
+  return has_picture_extension(entry.path().string()) && is_file_of_folder(entry);
 }
 
 bool is_naturally_before(const std::string& a, const std::string& b) {

@@ -18,6 +18,9 @@ bool has_picture_extension(const std::string& path);
 
 /// Whether an entry of a folder is a picture that is read with the folder: by its ending, a file, and not hidden.
 bool is_picture_of_folder(const std::filesystem::directory_entry& entry);
+/// Whether a folder that is read has this as a file: not a hidden one, which some systems put beside others and which holds
+/// something else, and no pipe, which would be waited for. A link to nothing is a file that is missing.
+bool is_file_of_folder(const std::filesystem::directory_entry& entry);
 /// Paths of the pictures of a folder, ordered by name. \param error  out: why the folder cannot be read.
 std::vector<std::string> pictures_in(const std::string& folder, std::error_code& error);
 

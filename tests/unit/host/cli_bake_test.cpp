@@ -242,6 +242,14 @@ TEST_CASE(
   check_refused(words, {"pipe.mtl: the picture of material 'a' cannot be read"});
 }
 
+TEST_CASE("a pipe among the OBJ files of a folder is none of them: nothing waits for it") {
+  const ObjFolder folder;
+  REQUIRE(::mkfifo((folder.folder + "/pipe.obj").c_str(), 0600) == 0);
+  CHECK(
+      run_words({"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60", "--size", "16"}).code ==
+      0);
+}
+
 TEST_CASE("bake does not write over what it reads, nor into files of other kinds") {
   const ObjFolder folder;
   std::ofstream(folder.folder + "/sheet.mtl") << "newmtl a\n";
