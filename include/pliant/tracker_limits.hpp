@@ -123,7 +123,8 @@ struct TrackerLimits {
   /// light and face change less between them (docs/experiments.md, Searches and first checks).
   /// A search for a print of 2,000 keypoints (40 bytes each) takes by
   /// default one frame at 320 x 240 and two at 640 x 480; one of 3,000, the most that `bake` makes, takes two at either size.
-  /// Corners are matched in the first frame, and the result is verified in the last. `pliant plan` has the frames of both searches.
+  /// The surface is looked for in the first of them, and verified in the last, up to a quarter of the width away. `pliant plan` has
+  /// the frames of both searches.
   std::uint32_t search_work = 24000;
 };
 
