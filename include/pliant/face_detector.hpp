@@ -57,10 +57,10 @@ class FaceDetector {
   Status find(const FrameView& frame, Span<DetectedFace> room, std::size_t* count);
 
   /// Searches a part of a frame: goes on where the last call ended, at the same size of faces and a row further down, or
-  /// from the smallest size on. `find` and another frame size begin again.
+  /// from the largest size on, whose search takes least. `find` and another frame size begin again.
   /// \param work         cells to be searched, where find(320 x 240) searches 21,000; at least one row is searched.
-  /// \param is_complete  set to true where the largest size has been searched to its end; the search then stops, and the
-  ///                     next call begins with the smallest size.
+  /// \param is_complete  set to true where the smallest size has been searched to its end; the search then stops, and the
+  ///                     next call begins with the largest size.
   /// Faces found in this part are written as by `find`. \return as `find`.
   Status search(const FrameView& frame, std::uint32_t work, Span<DetectedFace> room, std::size_t* count,
                 bool* is_complete);

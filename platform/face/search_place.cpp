@@ -39,7 +39,12 @@ void SearchPlace::begin_near(int width, int height, int smallest_px, const FaceB
   const int smallest = larger(smallest_px, kWindowPx);
   first_ratio_ = smallest * ScaledLines::kUnit / kWindowPx;
   size_ = 0;
+  while (smaller(width, height) * ScaledLines::kUnit / ratio_of(size_) >= kTuning.smallest_level_px) ++size_;
   begin_size();
+}
+
+int SearchPlace::ratio_of(int size) const {
+  return (first_ratio_ * kSizes[size % kSizesAnOctave] / 256) << (size / kSizesAnOctave);
 }
 
 // Of the reduced frame, whose side is `px`: all, or those of windows whose middle is near `middle`, px of the frame.
@@ -56,25 +61,25 @@ SearchPlace::Cells SearchPlace::cells_along(int px, float middle) const {
   return {larger(begin, all.begin), smaller(end, all.end)};
 }
 
-// From this size on the next one that is asked for.
+// Below this size the next one that is asked for.
 void SearchPlace::begin_size() {
   const bool is_whole = !(near_.side > 0);
-  for (;; ++size_) {
-    ratio_ = (first_ratio_ * kSizes[size_ % kSizesAnOctave] / 256) << (size_ / kSizesAnOctave);
+  while (size_ > 0) {
+    ratio_ = ratio_of(--size_);
     const int width = width_ * ScaledLines::kUnit / ratio_, height = height_ * ScaledLines::kUnit / ratio_;
     const float side = box(0, 0).side;
-    is_complete_ = width < kTuning.smallest_level_px || height < kTuning.smallest_level_px ||
-                   !(is_whole || side <= kTuning.near_ratio * near_.side);
-    if (is_complete_) return;
-    if (!is_whole && side * kTuning.near_ratio < near_.side) continue;
+    if (!is_whole && side > kTuning.near_ratio * near_.side) continue;
+    if (!is_whole && side * kTuning.near_ratio < near_.side) break;
     const Cells columns = cells_along(width, near_.center.x), rows = cells_along(height, near_.center.y);
     column_ = columns.begin;
     end_column_ = columns.end;
     first_row_ = rows.begin;
     end_row_ = rows.end;
+    is_complete_ = false;
     begin_strip();
     return;
   }
+  is_complete_ = true;
 }
 
 void SearchPlace::begin_strip() {
@@ -87,7 +92,6 @@ void SearchPlace::advance() {
   if (++row_ < end_row_) return;
   const bool is_last_strip = column_ + columns_ >= end_column_;
   if (is_last_strip) {
-    ++size_;
     begin_size();
   } else {
     column_ += columns_ - (kWindowCells - 1);

@@ -4,8 +4,8 @@
 
 namespace pliant {
 
-/// Enumerates the rows of cells of all strips of a frame at all sizes, from the smallest faces to the largest. Wide frames are
-/// cut into strips that share kWindowCells - 1 columns, so that memory does not grow with the frame.
+/// Enumerates the rows of cells of all strips of a frame at all sizes, from the largest faces to the smallest, whose search takes
+/// longest. Wide frames are cut into strips that share kWindowCells - 1 columns, so that memory does not grow with the frame.
 class SearchPlace {
  public:
   /// The most columns of a strip of a frame up to `width` px wide.
@@ -34,6 +34,7 @@ class SearchPlace {
   struct Cells {
     int begin, end;
   };
+  int ratio_of(int size) const;
   void begin_size();
   Cells cells_along(int px, float middle) const;
   void begin_strip();
