@@ -242,6 +242,21 @@ TEST_CASE(
   CHECK(run.result.state == TrackState::tracking);
 }
 
+TEST_CASE("with little work a frame a near face is found before the search is at small ones") {
+  TrackerLimits little = limits();
+  little.search_work = 4000;
+  const auto frames_until_found = [&](float scale) {
+    Run run(little);
+    int frames = 1;
+    while (frames < 40 && run.show({{160, 120}, scale}) != TrackState::tracking) ++frames;
+    return frames;
+  };
+  const host::SearchPlan plan = host::make_plan(face().model(), little).search;
+  REQUIRE(plan.search_frames > 4);
+  CHECK(frames_until_found(1.2f) <= 2 + plan.alignment_frames);
+  CHECK(frames_until_found(0.4f) > 3 + plan.alignment_frames);
+}
+
 TEST_CASE("a search takes the cells and frames that the plan states") {
   for (const std::uint32_t work : {0u, 1000u, 4000u, 24000u, 0xffffffffu})
     for (const int smallest : {0, 48, 100, 400}) {
