@@ -187,7 +187,9 @@ bool PrintFinder::carry(const Picture& now, FoundPrint* found) {
   copy(found_q_.data, found_q_.count, q_.data);
   view.tau = view.tau + 1 / view.s * matcher_.move_on(now.frame, box_of_matches(view));
   FitReport report;
-  for (float spacing = kPrintTuning.carried_spacing; spacing > 1; spacing /= 2)
+  // What has hardly turned is fitted as it is: coarse blocks would turn it.
+  const bool is_near = is_accepted(verify(view, now.frame));
+  for (float spacing = kPrintTuning.carried_spacing; spacing > 1 && !is_near; spacing /= 2)
     for (int k = 0; k < kPrintTuning.carried_passes; ++k)
       if (!fit_to_blocks(now, spacing, false, &view, &report)) return false;
   for (int k = 0; k < kPrintTuning.block_passes; ++k)
