@@ -24,6 +24,16 @@ inline Status check(const ImageView& v) {
                                                                                  : Status::bad_argument;
 }
 
+/// The image as a frame, without a time.
+inline FrameView frame_of(const ImageView& image) {
+  FrameView frame;
+  frame.data = image.data;
+  frame.width = image.width;
+  frame.height = image.height;
+  frame.stride_bytes = static_cast<std::size_t>(image.stride);
+  return frame;
+}
+
 /// Size and levels of a pyramid. Every frame has exactly this size.
 struct PyramidLimits {
   int width = 320, height = 240;  ///< pixels, 8 to 16384

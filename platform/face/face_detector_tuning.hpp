@@ -16,7 +16,7 @@ struct FaceDetectorTuning {
   /// Overlap above which hits are averaged. Not tuned.
   float averaged_overlap = 0.5f;
   /// Ratio of sides, and distance of middles in sides, up to which a window is near a box: two sizes, since a face that
-  /// comes while a search in parts has passed its size is found with a box 1.3 times as large. Not tuned.
+  /// comes while a search in parts has passed its size is found with a box 1.3 times as small. Not tuned.
   float near_ratio = 1.5f, near_reach = 0.25f;
 };
 inline constexpr FaceDetectorTuning kFaceDetectorTuning{};

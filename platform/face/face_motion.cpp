@@ -1,6 +1,7 @@
 #include "face/face_motion.hpp"
 
 #include "pliant/coarse_translation.hpp"
+#include "pliant/pyramid.hpp"
 #include "vision/thumbnail.hpp"
 
 namespace pliant {
@@ -13,11 +14,8 @@ constexpr const FaceMotionTuning& kTuning = kFaceMotionTuning;
 
 /// Bands of light that run over the picture are no motion.
 void FaceMotion::reduce(const FacePicture& picture, std::uint8_t* out) {
-  FrameView all;
-  all.data = picture.pixels();
-  all.width = all.height = picture.side();
-  all.stride_bytes = static_cast<std::size_t>(picture.side());
-  make_thumbnail(all, kTuning.factor, line, out);
+  const ImageView all{picture.pixels(), picture.side(), picture.side(), picture.side()};
+  make_thumbnail(frame_of(all), kTuning.factor, line, out);
   level_rows(out, kSide, kSide);
 }
 

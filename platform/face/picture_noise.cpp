@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/wide_vectors.hpp"
+#include "pliant/pyramid.hpp"
 #include "pliant/status.hpp"
 #include "vision/noise.hpp"
 #include "vision/noise_tuning.hpp"
@@ -45,11 +46,7 @@ void smooth(std::uint8_t* pixels, int side) {
 
 void smooth_noise(std::uint8_t* pixels, int side, int most_places) {
   PLIANT_ASSERT(side >= 1 && side <= kMostPictureSide);
-  FrameView view;
-  view.data = pixels;
-  view.width = view.height = side;
-  view.stride_bytes = static_cast<std::size_t>(side);
-  const FrameNoise of = noise_of(view, most_places);
+  const FrameNoise of = noise_of(frame_of(ImageView{pixels, side, side, side}), most_places);
   if (of.noise < kNoiseTuning.least_noise) return;
   if (of.noise >= kPictureNoiseTuning.noisy * of.contrast) smooth(pixels, side);
   if (of.noise >= kPictureNoiseTuning.very_noisy * of.contrast) smooth(pixels, side);

@@ -267,15 +267,6 @@ FacingAtRest facing_at_rest(const PrintTable& table, Cascade& cascade, const flo
   return facing;
 }
 
-FrameView frame_of(const ImageView& image) {
-  FrameView frame;
-  frame.data = image.data;
-  frame.width = image.width;
-  frame.height = image.height;
-  frame.stride_bytes = static_cast<std::size_t>(image.stride);
-  return frame;
-}
-
 bool shows_print(const FrameView& frame, const Model& model, const SurfacePlace& place, float block_px) {
   Block block;
   float expected[kSamples];

@@ -5,7 +5,6 @@
 #include "pliant/fit.hpp"
 #include "pliant/frame.hpp"
 #include "pliant/model.hpp"
-#include "pliant/pyramid.hpp"
 #include "print/print_table.hpp"
 #include "print/print_tuning.hpp"
 
@@ -68,9 +67,6 @@ struct SurfacePlace {
   Vec2 uv, x;      ///< its image position, px
   Mat2 px_per_uv;  ///< dx/d(u,v)
 };
-
-/// An image as a frame.
-FrameView frame_of(const ImageView& image);
 
 /// Compares the block around one place.
 /// \return true if it looks like the albedo, or if it cannot be compared: it turns away, or is not all in the frame.

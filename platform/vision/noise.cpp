@@ -46,7 +46,7 @@ FrameNoise noise_of(const FrameView& frame, int most_places) {
       squares += *at * *at;
       ++places;
     }
-  if (16 * places < most_places) return {};
+  if (kTuning.least_divisor * places < most_places) return {};
   int median = 0;
   for (int below = of_response[0]; 2 * below < places; below += of_response[median]) ++median;
   const float count = static_cast<float>(places), mean = static_cast<float>(sum) / count;

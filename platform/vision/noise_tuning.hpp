@@ -8,6 +8,8 @@ namespace pliant {
 struct NoiseTuning {
   /// Places of a frame that are compared, at most, count: the median of so many is known to 2 %. Round value.
   int most_places = 4096;
+  /// Fraction of them with which noise is measured, at least: else nothing is known. Round value, not tuned.
+  int least_divisor = 16;
   /// Grey levels beyond which a place is clipped, and its noise with it: those within which PatchTuning uses a pixel.
   int darkest = patch::kPatchTuning.lowest_grey + 1, brightest = patch::kPatchTuning.highest_grey - 1;
   /// Noise over the frame's contrast from which on frames are smoothed, and from which on smoothed ones are again. Around one

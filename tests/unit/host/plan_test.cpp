@@ -311,6 +311,7 @@ TEST_CASE(
   const char* const kMotion = "pixels compared for the motion of a print";
   for (const Load& load : plan.search_loads) CHECK(load.what != std::string(kMotion));
   CHECK(most_of(make_plan(model, slow).search_loads, kMotion) > 0);
+  // Four coarse passes, four usual ones and twelve of settling, in fits of four.
   CHECK(most_of(make_plan(model, slow).search_loads, "fits of the print") ==
         most_of(plan.search_loads, "fits of the print") + 5);
   InArena<Tracker> tracker(model, limits);
