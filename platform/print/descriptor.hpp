@@ -30,8 +30,7 @@ constexpr int descriptor_reach(PatchScale scale) {
 /// \return false, and nothing written, if the patch leaves the image or is flat. Cost: 12,000 operations.
 bool describe(const ImageView& image, int x, int y, PatchScale scale, Descriptor* descriptor);
 
-/// Number of bits that differ, 0 to 256; any number from `limit` on where there are so many.
-int distance_of(const std::uint32_t (&a)[kDescriptorWords], const std::uint32_t (&b)[kDescriptorWords],
-                int limit);
+/// Number of bits that differ, 0 to 256.
+int distance_of(const std::uint32_t (&a)[kDescriptorWords], const std::uint32_t (&b)[kDescriptorWords]);
 
 }  // namespace pliant

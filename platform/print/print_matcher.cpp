@@ -158,7 +158,7 @@ void PrintMatcher::match(std::size_t corner) {
   std::size_t count = 0;
   for (std::size_t k = 0; k < keypoints.count; ++k) {
     const int most = count < kMost ? kTuning.most_distance + 1 : nearest[kMost - 1].distance;
-    const int distance = distance_of(bits, keypoints[k].bits, most);
+    const int distance = distance_of(bits, keypoints[k].bits);
     if (distance >= most) continue;
     insert_distinct(
         Span<Near>{nearest, kMost}, &count, {k, distance},

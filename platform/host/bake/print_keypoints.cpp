@@ -121,7 +121,7 @@ std::vector<PrintKeypoint> without_repeated(const std::vector<PrintKeypoint>& ke
   for (const PrintKeypoint& k : keypoints) {
     const bool is_repeated = std::any_of(keypoints.begin(), keypoints.end(), [&](const PrintKeypoint& other) {
       return length(other.uv() - k.uv()) > kPrintTuning.same_place &&
-             distance_of(k.bits, other.bits, least_bits) < least_bits;
+             distance_of(k.bits, other.bits) < least_bits;
     });
     if (!is_repeated) kept.push_back(k);
   }
