@@ -121,10 +121,9 @@ struct TrackerLimits {
   /// the search or steps of an alignment, one for each 660 cells; the track then starts some frames later, with the model's base
   /// mesh. The built-in face's alignments take six steps, and one more in the frame that starts the track: with 3,960 and more
   /// light and face change less between them (docs/experiments.md, Searches and first checks).
-  /// A search for a print of 2,000 keypoints (40 bytes each) takes by
-  /// default one frame at 320 x 240 and two at 640 x 480; one of 3,000, the most that `bake` makes, takes two at either size.
-  /// The surface is looked for in the first of them, and verified in the last, up to a quarter of the width away. `pliant plan` has
-  /// the frames of both searches.
+  /// A search for a print is divided into corners, matches and fits of about this work, at least one part in a frame: by default it
+  /// takes two to six frames of 640 x 480, with 4,000 cells some twelve. The surface is looked for in the first of them, followed
+  /// meanwhile, and verified in the last. `pliant plan` has the frames of both searches, at most.
   std::uint32_t search_work = 24000;
 };
 

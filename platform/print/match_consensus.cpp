@@ -1,5 +1,6 @@
 #include "print/match_consensus.hpp"
 
+#include "base/heap_sort.hpp"
 #include "print/distinct_best.hpp"
 
 namespace pliant {
@@ -20,6 +21,10 @@ struct ConsensusTuning {
 };
 constexpr ConsensusTuning kTuning;
 
+bool has_like_scale(const SurfaceMatch& a, const SurfaceMatch& b) {
+  return a.s <= kTuning.most_scale_ratio * b.s && b.s <= kTuning.most_scale_ratio * a.s;
+}
+
 /// The view that a match suggests: the place of the match is where it is seen.
 View view_from(const SurfaceMatch& m, const Camera& camera) {
   View v;
@@ -33,14 +38,27 @@ View view_from(const SurfaceMatch& m, const Camera& camera) {
   return v;
 }
 
-int count_votes(Span<const SurfaceMatch> matches, std::size_t of, const View& view, float tolerance_px) {
-  const Projector projector(view, true);
+/// Votes for a view, and matches that were compared.
+struct Count {
   int votes = 0;
-  for (const SurfaceMatch& m : matches) {
+  std::uint32_t compared = 0;
+};
+
+Count count_votes(Span<const SurfaceMatch> matches, std::size_t of, const View& view, float tolerance_px) {
+  const Projector projector(view, true);
+  Count count;
+  // They are sorted: beyond the first whose scale is too different there is none that agrees.
+  const auto goes_on = [&](const SurfaceMatch& m) {
+    if (!has_like_scale(m, matches[of])) return false;
+    ++count.compared;
     Vec2 x;
-    if (is_similar(m, matches[of]) && projector.project(m.p, &x) && length(x - m.x) <= tolerance_px) ++votes;
-  }
-  return votes;
+    if (is_similar(m, matches[of]) && projector.project(m.p, &x) && length(x - m.x) <= tolerance_px)
+      ++count.votes;
+    return true;
+  };
+  for (std::size_t k = of; k < matches.count && goes_on(matches[k]);) ++k;
+  for (std::size_t k = of; k > 0 && goes_on(matches[k - 1]);) --k;
+  return count;
 }
 
 /// Whether a view is nearly that which the match suggests.
@@ -58,24 +76,25 @@ float half_cosine(const Quat& a, const Quat& b) {
 }
 
 bool is_similar(const SurfaceMatch& a, const SurfaceMatch& b) {
-  return a.s <= kTuning.most_scale_ratio * b.s && b.s <= kTuning.most_scale_ratio * a.s &&
-         half_cosine(a.q, b.q) >= kTuning.least_half_cosine;
+  return has_like_scale(a, b) && half_cosine(a.q, b.q) >= kTuning.least_half_cosine;
 }
 
-std::size_t find_views(Span<const SurfaceMatch> matches, const Camera& camera, float tolerance_mm,
-                       Span<ViewVotes> views) {
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < matches.count; ++k) {
-    const View view = view_from(matches[k], camera);
-    const int votes = count_votes(matches, k, view, tolerance_mm * view.s);
-    insert_distinct(
-        views, &count, {view, votes, k},
-        [](const ViewVotes& a, const ViewVotes& b) { return a.votes > b.votes; },
-        [&](const ViewVotes& a, const ViewVotes& b) {
-          return is_same(a, matches[a.match], matches[b.match], tolerance_mm);
-        });
-  }
-  return count;
+void sort_by_scale(Span<SurfaceMatch> matches) {
+  heap_sort(matches.data, matches.count,
+            [](const SurfaceMatch& a, const SurfaceMatch& b) { return a.s < b.s; });
+}
+
+std::uint32_t vote_for_view(Span<const SurfaceMatch> matches, std::size_t of, const Camera& camera,
+                            float tolerance_mm, Span<ViewVotes> views, std::size_t* count) {
+  const View view = view_from(matches[of], camera);
+  const Count counted = count_votes(matches, of, view, tolerance_mm * view.s);
+  insert_distinct(
+      views, count, {view, counted.votes, of},
+      [](const ViewVotes& a, const ViewVotes& b) { return a.votes > b.votes; },
+      [&](const ViewVotes& a, const ViewVotes& b) {
+        return is_same(a, matches[a.match], matches[b.match], tolerance_mm);
+      });
+  return counted.compared;
 }
 
 View mirrored_tilt(const View& view, Quat front) {

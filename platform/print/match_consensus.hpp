@@ -1,6 +1,7 @@
 #pragma once
 // Views of a surface that many matches agree on (docs/algorithms.md, section 7.17).
 #include <cstddef>
+#include <cstdint>
 
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
@@ -31,12 +32,17 @@ float half_cosine(const Quat& a, const Quat& b);
 /// Whether two matches suggest nearly the same rotation and scale.
 bool is_similar(const SurfaceMatch& a, const SurfaceMatch& b);
 
-/// Takes each match in turn as true, and counts the others near their place in the view that it suggests.
+/// Sorts matches by the scale that they suggest.
+void sort_by_scale(Span<SurfaceMatch> matches);
+
+/// Takes one match as true, and counts the others near their place in the view that it suggests. After all have been taken in turn
+/// `views` are those with most votes, best first; of nearly the same ones only the best is kept.
+/// \param matches       sorted by scale: those of other scales are not compared.
 /// \param tolerance_mm  distance on the surface at which a match still agrees.
-/// \param views         out: the views with most votes, best first. Of nearly the same ones only the best is kept.
-/// \return their number. Cost: matches^2 projections.
-std::size_t find_views(Span<const SurfaceMatch> matches, const Camera& camera, float tolerance_mm,
-                       Span<ViewVotes> views);
+/// \param count         of the views so far; 0 before the first match.
+/// \return matches that were compared: 20 to 100 operations each.
+std::uint32_t vote_for_view(Span<const SurfaceMatch> matches, std::size_t of, const Camera& camera,
+                            float tolerance_mm, Span<ViewVotes> views, std::size_t* count);
 
 /// The view's second solution, where the surface is flat and perspective weak: tilted to the other side about the same
 /// optical axis. \param front  rotation of the view that sees the surface from the front.

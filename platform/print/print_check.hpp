@@ -5,20 +5,9 @@
 #include "pliant/fit.hpp"
 #include "pliant/frame.hpp"
 #include "pliant/model.hpp"
-#include "print/print_table.hpp"
-#include "print/print_tuning.hpp"
+#include "print/print_block.hpp"
 
 namespace pliant {
-
-/// Where a surface is seen: a function with its state.
-struct SurfaceProjection {
-  void* state;
-  bool (*project)(void* state, Vec2 uv, Vec2* x);  ///< false behind the camera
-  /// Whether x (px) shows (u,v), and no other part of the surface in front of it. Null: always.
-  bool (*shows)(void* state, Vec2 uv, Vec2 x) = nullptr;
-
-  bool operator()(Vec2 uv, Vec2* x) const { return project(state, uv, x); }
-};
 
 /// Blocks of the surface with texture that face the camera inside the frame, and how many of those look like
 /// the albedo.
@@ -61,12 +50,6 @@ struct FacingAtRest {
 /// Cost: 48 places are sampled, and 2,304 products. 0.6 kB of stack.
 /// \param q  all parameters, at rest.
 FacingAtRest facing_at_rest(const PrintTable& table, Cascade& cascade, const float* q, const Pose& pose);
-
-/// A place of the surface as the camera sees it.
-struct SurfacePlace {
-  Vec2 uv, x;      ///< its image position, px
-  Mat2 px_per_uv;  ///< dx/d(u,v)
-};
 
 /// Compares the block around one place.
 /// \return true if it looks like the albedo, or if it cannot be compared: it turns away, or is not all in the frame.

@@ -54,6 +54,12 @@ std::size_t spread_corners(const ImageView& image, Span<Corner> corners, std::si
   return most;
 }
 
+const std::uint8_t* copy_of(const std::uint8_t* data, std::size_t count, Arena& arena) {
+  const Span<std::uint8_t> bytes = arena.take_span<std::uint8_t>(count);
+  copy(data, count, bytes.data);
+  return bytes.data;
+}
+
 }  // namespace
 
 void PrintMatcher::lay_out(Arena& arena, const PrintTable& table, int width, int height) {
@@ -80,40 +86,29 @@ Status PrintMatcher::begin(const FrameView& frame, CornerChoice choice) {
   return status;
 }
 
-Vec2 PrintMatcher::move_on(const FrameView& now, const PixelBox& box) {
+SmallPictures PrintMatcher::move_on(const FrameView& now) {
   const int level = pyramid_.levels() - 1;
   const ImageView& small = pyramid_.level(level);
   Arena scratch(scratch_.data, scratch_.count);
   const std::size_t pixels = static_cast<std::size_t>(small.width * small.height);
-  const Span<std::uint8_t> before = scratch.take_span<std::uint8_t>(pixels);
-  copy(small.data, pixels, before.data);
-  if (pyramid_.build(now) != Status::ok) return {};
-  const PixelBox small_box{box.x0 >> level, box.y0 >> level, box.x1 >> level, box.y1 >> level};
-  const CoarseTranslation shift =
-      find_coarse_translation({before.data, small.width, small.height, small.width}, small_box, small,
-                              small.width / kTuning.motion_divisor);
-  return shift.correlation > 0 ? static_cast<float>(1 << level) * shift.by : Vec2{};
+  const ImageView before{copy_of(small.data, pixels, scratch), small.width, small.height, small.width};
+  const Status status = pyramid_.build(now);  // else it stays as it is
+  (void)status;
+  return {before, small, static_cast<float>(1 << level)};
 }
 
 std::size_t PrintMatcher::most_matches() {
   return kTuning.matches_per_corner * all_room();
 }
 
-bool PrintMatcher::step(std::uint32_t work) {
-  std::uint32_t done = 0;
-  const auto of_corner =
-      static_cast<std::uint32_t>(table_.keypoints().count) / kTuning.keypoints_per_cell + 1;
-  do {
-    if (next_level_ < pyramid_.levels()) {
-      done += find_corners_of(next_level_++);
-    } else if (next_corner_ < corner_count_) {
-      match(next_corner_++);
-      done += of_corner;
-    } else {
-      is_searching_ = false;
-    }
-  } while (is_searching_ && done < work);
-  return !is_searching_;
+std::uint32_t PrintMatcher::step() {
+  if (next_level_ < pyramid_.levels()) return find_corners_of(next_level_++);
+  if (next_corner_ < corner_count_) {
+    match(next_corner_++);
+    return static_cast<std::uint32_t>(table_.keypoints().count) / kTuning.keypoints_per_cell + 1;
+  }
+  is_searching_ = false;
+  return 0;
 }
 
 std::uint32_t PrintMatcher::find_corners_of(int level) {

@@ -4,9 +4,9 @@
 #include <cstdint>
 
 #include "pliant/arena.hpp"
-#include "pliant/coarse_translation.hpp"
 #include "pliant/pyramid.hpp"
 #include "print/descriptor.hpp"
+#include "print/print_motion.hpp"
 #include "print/print_table.hpp"
 
 namespace pliant {
@@ -36,16 +36,14 @@ class PrintMatcher {
   bool is_idle() const { return !is_searching_; }
   /// Takes a frame, which is copied.
   Status begin(const FrameView& frame, CornerChoice choice);
-  /// Goes on with the frame. \param work  cells (TrackerLimits::search_work) to be done; at least one part is.
-  /// \return true after the last part; the matcher is idle then.
-  bool step(std::uint32_t work);
+  /// Does the next part; after the last one the matcher is idle. \return its cost, cells (TrackerLimits::search_work).
+  std::uint32_t step();
   static std::size_t most_matches();
 
   /// The frame whose corners were found: a copy.
   const ImageView& searched() const { return pyramid_.level(0); }
-  /// Takes a later frame instead of it. \param box  px of that frame
-  /// \return by how much the box has moved since, px: 0 where nothing like it is found within the range (PrintTuning).
-  Vec2 move_on(const FrameView& now, const PixelBox& box);
+  /// Takes a later frame of the same size instead of it. \return both at a quarter of their size, until the next `begin`.
+  SmallPictures move_on(const FrameView& now);
 
   Span<const FrameCorner> corners() const { return {corners_.data, corner_count_}; }
   Span<const PrintMatch> matches() const { return {matches_.data, match_count_}; }

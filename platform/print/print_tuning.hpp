@@ -34,12 +34,16 @@ struct PrintTuning {
   std::size_t matches_per_corner = 2;
   /// Distance in (u,v) from which on two keypoints are of different places. Round value, not tuned.
   float same_place = 0.04f;
-  /// What the parts of a search cost, in the cells that bound it (TrackerLimits::search_work; some 3,000 instructions each): pixels
-  /// whose corners are found for one cell, cells of a descriptor, keypoints that a corner is compared with for one cell. Round
-  /// values, not tuned.
-  std::uint32_t pixels_per_cell = 50, cells_per_descriptor = 4, keypoints_per_cell = 100;
-  /// Views that are fitted at most, those with most votes first, and solutions of each: time of a search's last frame. Of the same
-  /// frames 170 were found with 3 views, 179 with 5, 182 with 8.
+  /// What the parts of a search cost, in the cells that bound it (TrackerLimits::search_work; some 5,000 instructions each): pixels
+  /// whose corners are found for one cell, cells of a descriptor, keypoints that a corner is compared with, and matches that a
+  /// match is compared with, for one cell. Round values, not tuned.
+  std::uint32_t pixels_per_cell = 50, cells_per_descriptor = 4, keypoints_per_cell = 100,
+                pairs_per_cell = 100;
+  /// The same of a fit, cells, besides those for each record of the cascade: 9.8 million instructions with 10 records, 25.7 million
+  /// with 39.
+  std::uint32_t fit_cells = 900, fit_cells_per_record = 110;
+  /// Views that are fitted at most, those with most votes first, and solutions of each. Of the same frames 170 were found with 3
+  /// views, 179 with 5, 182 with 8.
   std::size_t most_views = 5, solutions = 3;
   /// Matches and blocks that are fitted at most, count: time and memory of the fit. Fits to blocks, after those to corners, count:
   /// each finds blocks from a better view than the one before. Round values.
@@ -48,19 +52,18 @@ struct PrintTuning {
   /// Further ones of the best solution, count, at most (docs/algorithms.md, section 7.17). A can with a word, small text and spots
   /// began up to 10 px off, of 330, after four, and stayed so. Round value.
   int settling_passes = 12;
-  /// Motion during a search of several frames is looked for up to this fraction of the frame's width. Round value, not tuned.
-  int motion_divisor = 4;
-  /// Spacing of blocks to which the surface of an earlier frame is fitted first, in that of others, and fits without bending with
-  /// this spacing and with each half of it: blocks are found up to two samples away. Of 13 films of moving surfaces all 20
-  /// searches were carried to their last frame, with one fit each 20 of 21, with one of spacing 2 alone 25 of 34, without 19 of 41
-  /// (docs/experiments.md, Searches of several frames).
-  float carried_spacing = 4;
-  int carried_passes = 2;
   /// Blocks that a check compares, count, at most, a round value; and times as many places that are tried until so many face the
   /// camera. With one time 8 to 12 blocks of a ball can be compared, and most of its right views have too few.
   std::size_t blocks = 48, block_rounds = 4;
   /// Frames from one check of a running track to the next: halves its cost. Round value, not tuned.
   int check_interval_frames = 2;
+
+  /// What a fit costs, cells. \param records  of the model's cascade.
+  constexpr std::uint32_t cells_of_fit(std::size_t records) const {
+    return fit_cells + fit_cells_per_record * static_cast<std::uint32_t>(records);
+  }
+  /// Fits of a solution, at most: of its pose to the matches of the view, of all to matches twice, and to blocks.
+  constexpr std::size_t fits_of_solution() const { return 3 + static_cast<std::size_t>(block_passes); }
 };
 inline constexpr PrintTuning kPrintTuning{};
 

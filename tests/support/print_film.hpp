@@ -2,6 +2,8 @@
 // Films of the sheet of the fixtures, with three bending modes, for tests of starts and tracks by print.
 #include <doctest/doctest.h>
 
+#include <limits>
+
 #include "host/bake/opened_table.hpp"
 #include "host/io/files.hpp"
 #include "host/render/scene.hpp"
@@ -39,12 +41,18 @@ inline Image picture_of(const Pose& pose, const std::vector<float>& q, std::uint
 }
 
 /// Frames of one tracker.
+/// The same limits with searches of one frame, as the command has them for files.
+inline TrackerLimits searching_at_once(TrackerLimits limits = {}) {
+  limits.search_work = std::numeric_limits<std::uint32_t>::max();
+  return limits;
+}
+
 struct Film {
   InArena<Tracker> tracker;
   FrameResult result;
   std::uint32_t count = 0;
 
-  explicit Film(const Model& model, TrackerLimits limits = {}) : tracker(model, limits) {}
+  explicit Film(const Model& model, TrackerLimits limits = searching_at_once()) : tracker(model, limits) {}
   Status show(const Image& image) {
     ++count;
     FrameView view{image.pixels.data(),

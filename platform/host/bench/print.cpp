@@ -6,6 +6,7 @@
 #include "host/bench/random.hpp"
 #include "host/bench/rows.hpp"
 #include "host/bench/still_film.hpp"
+#include "host/commands/tracker_limits.hpp"
 #include "host/io/bounding_box.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
@@ -102,10 +103,12 @@ double rotation_degrees(Quat a, Quat b) {
   return static_cast<double>(length(w)) * 57.29578;
 }
 
-TrackerLimits limits_for(ImageSize size) {
+/// As the command tracks a file: the work of a search is not divided into frames.
+TrackerLimits limits_for(const Model& model, ImageSize size) {
   TrackerLimits limits = size.width > 320 ? profile_l() : profile_m();
   limits.width = static_cast<std::uint16_t>(size.width);
   limits.height = static_cast<std::uint16_t>(size.height);
+  limits.search_work = whole_search(model, limits);
   return limits;
 }
 
@@ -114,7 +117,7 @@ void measure_case(const Model& model, const PrintCase& c, const learn::OtherPict
   const Camera camera = centred_camera(c.size.width, c.size.height, 1.4f * static_cast<float>(c.size.width));
   Scene scene(model, c.size.width, c.size.height);
   Owned<Cascade> cascade(model);
-  Owned<Tracker> tracker(model, limits_for(c.size));
+  Owned<Tracker> tracker(model, limits_for(model, c.size));
   BenchRandom random;
   learn::SampleRandom crops(1, 0);
   int found = 0, right = 0, tilted_right = 0;
@@ -158,7 +161,7 @@ void measure_case(const Model& model, const PrintCase& c, const learn::OtherPict
 /// Films of pictures that do not show the surface.
 void measure_without(const Model& model, const learn::OtherPictures& others, const BenchRows& rows) {
   const ImageSize size{640, 480};
-  Owned<Tracker> tracker(model, limits_for(size));
+  Owned<Tracker> tracker(model, limits_for(model, size));
   learn::SampleRandom crops(2, 0);
   int starts = 0;
   std::vector<double> times;

@@ -10,7 +10,7 @@
 #include "face/part_fit.hpp"
 #include "model/parameters.hpp"
 #include "optim/normal_equations_tuning.hpp"
-#include "print/print_matcher.hpp"
+#include "print/print_motion.hpp"
 #include "print/print_table.hpp"
 #include "print/print_tuning.hpp"
 #include "track/face_checks.hpp"
@@ -57,12 +57,12 @@ struct Instructions {
   double curve_point = 60000;    ///< a new one
   /// Of prints, counted on sheets with 4, 6 and 12 shapes: a block compared, and its place from the tables; the same again where
   /// the surface may be curved, reckoned from these (five places instead of three, half of the samples); a place that turns away,
-  /// reckoned, too; a cell of the search; a fit of one view.
+  /// reckoned, too; a cell of the search; a fit.
   double print_block = 42000, print_block_record = 1200, print_curved_block = 26000,
          print_curved_record = 2000;
   double print_place = 1500;  ///< besides print_block_record
-  double print_cell = 4600, print_fit = 2e7, print_fit_record = 3.5e6;
-  double print_pair = 97;  ///< of matches, where they suggest similar views; of others 21
+  double print_cell = 7500, print_fit = 4.5e6, print_fit_record = 5.6e5;
+  double print_patch = 16000;  ///< of a small picture, found in another
 };
 constexpr Instructions kCost{};
 
@@ -70,7 +70,7 @@ constexpr Instructions kCost{};
 struct UsualCounts {
   double rounds = 2, steps_a_template = 4.5, passes = 1.5, factorisations = 7.3;
   double projections_a_vertex = 1.3, drawings = 0.5, fraction_found = 0.7;
-  double print_matches = 300;  ///< of a frame with the print: 204 to 820 on a sheet; without it 8 and 24
+  double print_fits = 16;  ///< of a search that takes one frame
 };
 constexpr UsualCounts kUsual{};
 
@@ -261,7 +261,8 @@ void add_alignment_loads(const AlignerTable& aligner, const TrackerLimits& limit
   loads.push_back({"steps of alignments", steps, steps + of_mean_face, kCost.alignment_step});
   loads.push_back({"ends of alignments", 1, looks ? 2.0 : 1.0, kCost.alignment_end});
   // On fast motion they are moved twice.
-  loads.push_back({"vertices at its result", 1.0 * limits.vertices, 2.0 * limits.vertices, moved_vertex(limits, s)});
+  loads.push_back(
+      {"vertices at its result", 1.0 * limits.vertices, 2.0 * limits.vertices, moved_vertex(limits, s)});
   if (!looks) return;
   const int twice = 2 * most_shifts(0) *
                     kCoarseTranslationTuning.max_pixels;  // with the last frame, with the last good one
@@ -269,22 +270,19 @@ void add_alignment_loads(const AlignerTable& aligner, const TrackerLimits& limit
                    static_cast<double>(s.costs.coarse_pixel)});
 }
 
-/// Fits to blocks after those of all views, at most: the best solution settles, and is carried to a later frame.
-double most_further_passes(bool is_carried) {
-  const PrintTuning& t = kPrintTuning;
-  double passes = t.settling_passes;
-  if (!is_carried) return passes;
-  for (float spacing = t.carried_spacing; spacing > 1; spacing /= 2) passes += t.carried_passes;
-  return passes + t.block_passes + t.settling_passes;
+/// What a search of several frames adds to each of them.
+void add_scene_loads(const Sizes& s, const TrackerLimits& limits, Loads& loads) {
+  const auto patches = static_cast<double>(SceneMotion::patches(limits.width, limits.height));
+  loads.push_back({"pixels of its thumbnail", s.frame_pixels, s.frame_pixels, kCost.thumbnail_pixel});
+  loads.push_back({"patches of the scene followed", patches, patches, kCost.print_patch});
 }
 
-/// How a surface that was found in an earlier frame is found in this one, beside fits.
-void add_carry_loads(const Sizes& s, const TrackerLimits& limits, Loads& loads) {
-  const int range = (limits.width >> (kPrintTuning.levels - 1)) / kPrintTuning.motion_divisor + 1;
-  const double compared = 1.0 * most_shifts(range) * kCoarseTranslationTuning.max_pixels;
+/// A frame in which what was found in an earlier one is found, beside fits.
+void add_carry_loads(const Sizes& s, Loads& loads) {
+  const double places = SceneMotion::kPictures * static_cast<double>(kPrintTuning.blocks);
   loads.push_back(
-      {"pixels compared for the motion of a print", 0, compared, static_cast<double>(s.costs.coarse_pixel)});
-  loads.push_back({"pixels of its pyramid", 0, 4.0 / 3 * s.frame_pixels, kCost.pyramid_pixel});
+      {"pixels of its pyramid", 4.0 / 3 * s.frame_pixels, 4.0 / 3 * s.frame_pixels, kCost.pyramid_pixel});
+  loads.push_back({"places found in small pictures", places, places, kCost.print_patch});
 }
 
 /// What checks of a print add to a tracked frame, and the frames that search for it and start with it.
@@ -303,34 +301,27 @@ void add_print_loads(const Sizes& s, const TrackerLimits& limits, const PrintSea
   const char* const kTurned = "places of the print that turn away";
   plan.loads.push_back({kTurned, 0, further * blocks, place});
   plan.loads.push_back({"blocks where a key frame wants templates", 0, tries, kCost.print_block});
-  const double cells = static_cast<double>(search.cells), fits = static_cast<double>(kPrintTuning.solutions);
-  plan.search_loads.push_back(
-      {"cells of the search", std::min<double>(limits.search_work, cells), cells, kCost.print_cell});
-  plan.start_loads = plan.search_loads;
-  const bool is_carried = search.frames > 1;
-  const double more_passes = most_further_passes(is_carried);
-  const auto add_views = [&](Loads& loads, double usual_matches, double usual_fits) {
-    const double matches = static_cast<double>(PrintMatcher::most_matches());
-    loads.push_back({"pairs of matches that vote for views", usual_matches * usual_matches, matches * matches,
-                     kCost.print_pair});
-    // Settling, and what carries a surface to a later frame, are counted as fits of so many passes.
-    loads.push_back(
-        {"fits of the print", usual_fits,
-         fits * static_cast<double>(kPrintTuning.most_views) + more_passes / kPrintTuning.block_passes,
-         kCost.print_fit + kCost.print_fit_record * s.all_records});
+  const double cells = static_cast<double>(search.cells), fits = static_cast<double>(search.fits);
+  const double fit = kCost.print_fit + kCost.print_fit_record * s.all_records;
+  const double carrying_fits = 1 + SceneMotion::kPictures + kPrintTuning.block_passes;
+  const bool is_spread = search.frames > 1;
+  const double usual_cells = std::min<double>(limits.search_work, cells);
+  plan.search_loads.push_back({"cells of the search", usual_cells, cells, kCost.print_cell});
+  plan.start_loads.push_back({"cells of the search", is_spread ? 0 : usual_cells, cells, kCost.print_cell});
+  plan.search_loads.push_back({"fits of the print", 0, fits, fit});
+  plan.start_loads.push_back({"fits of the print", is_spread ? carrying_fits : kUsual.print_fits,
+                              is_spread ? std::max(carrying_fits, fits) : fits, fit});
+  if (is_spread) {
+    add_scene_loads(s, limits, plan.search_loads);
+    add_scene_loads(s, limits, plan.start_loads);
+    add_carry_loads(s, plan.start_loads);
+  }
+  // Places that are tried in vain: of fits, of each verification, and of the start.
+  const auto turned = [&](double comparisons) {
+    return further * (fits * static_cast<double>(kPrintTuning.fitted_points) + comparisons * blocks);
   };
-  if (is_carried) add_carry_loads(s, limits, plan.search_loads);
-  if (is_carried) add_carry_loads(s, limits, plan.start_loads);
-  add_views(plan.search_loads, 0, 0);
-  add_views(plan.start_loads, kUsual.print_matches, fits + 1.0 / kPrintTuning.block_passes);
-  const double of_fit =
-      static_cast<double>(kPrintTuning.block_passes) * static_cast<double>(kPrintTuning.fitted_points) +
-      blocks;
-  const double of_settling = more_passes * (static_cast<double>(kPrintTuning.fitted_points) + blocks);
-  const double of_search =
-      further * (fits * static_cast<double>(kPrintTuning.most_views) * of_fit + of_settling);
-  plan.search_loads.push_back({kTurned, 0, of_search, place});
-  plan.start_loads.push_back({kTurned, 0, of_search + further * blocks, place});
+  plan.search_loads.push_back({kTurned, 0, turned(fits), place});
+  plan.start_loads.push_back({kTurned, 0, turned(fits + 1), place});
   plan.start_loads.push_back({"blocks of the print compared", blocks, blocks, check});
   plan.start_loads.push_back({"blocks of the print compared again", 0, blocks, curved});
   plan.start_loads.push_back(
@@ -473,7 +464,7 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   if (limits.detection != nullptr && !model.print().empty() && plan.search.all_cells == 0) {
     PrintTable print;
     const bool is_open = PrintTable::open(model.print(), &print) == Status::ok;
-    const PrintSearchPlan search = print_search_plan(limits, print.keypoints().count);
+    const PrintSearchPlan search = print_search_plan(limits, print.keypoints().count, model.cascade().count);
     add_print_loads(sizes, limits, search, plan);
     if (is_open) plan.print_search_frames = search.frames;
   }

@@ -6,6 +6,7 @@
 #include "face/scaled_lines.hpp"
 #include "face/search_place.hpp"
 #include "face/turned_picture.hpp"
+#include "print/print_matcher.hpp"
 #include "print/print_tuning.hpp"
 #include "track/detection_state.hpp"
 #include "track/face_search.hpp"
@@ -120,32 +121,41 @@ SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
   return plan;
 }
 
-PrintSearchPlan print_search_plan(const TrackerLimits& limits, std::size_t keypoints) {
+PrintSearchPlan print_search_plan(const TrackerLimits& limits, std::size_t keypoints, std::size_t records) {
   const PrintTuning& t = kPrintTuning;
   PrintSearchPlan plan;
   const std::size_t work = std::max(limits.search_work, std::uint32_t{1});
   std::size_t done = 0, all = 0;
-  std::size_t corners = t.corners;  // those of the first level are described and compared twice
-  const auto add_part = [&](std::size_t cells) {
-    if (done >= work) {  // a new frame
-      ++plan.frames;
-      done = 0;
-    }
-    done += cells;
-    // With fewer corners this part may be the one with which a frame ends.
-    plan.cells = std::max(plan.cells, std::min(work - 1, all) + cells);
-    all += cells;
+  const auto add_parts = [&](std::size_t count, std::size_t cells) {
+    for (std::size_t k = 0; k < count; ++k, done += cells)
+      if (done >= work) ++plan.frames, done = 0;
   };
+  const auto add_cells = [&](std::size_t count, std::size_t cells) {
+    add_parts(count, cells);
+    // With fewer corners this part may be the one with which a frame ends.
+    plan.cells = std::max(plan.cells, std::min(work - 1, all + (count - 1) * cells) + cells);
+    all += count * cells;
+  };
+  std::size_t corners = t.corners;  // those of the first level are described and compared twice
   for (int level = 0, width = limits.width, height = limits.height; level < t.levels; ++level) {
     const std::size_t of_level = t.corners >> level;
-    add_part(static_cast<std::size_t>(width * height) / t.pixels_per_cell +
-             t.cells_per_descriptor * of_level);
+    add_cells(
+        1, static_cast<std::size_t>(width * height) / t.pixels_per_cell + t.cells_per_descriptor * of_level);
     corners += of_level;
     width = (width + 1) / 2;
     height = (height + 1) / 2;
   }
-  for (std::size_t k = 0; k < corners; ++k) add_part(keypoints / t.keypoints_per_cell + 1);
-  add_part(0);  // notes that there is none left
+  add_cells(corners, keypoints / t.keypoints_per_cell + 1);
+  const std::size_t matches = PrintMatcher::most_matches();
+  add_cells(matches, 1);
+  add_cells(matches, matches / t.pairs_per_cell + 1);
+  const std::size_t fit_cells = t.cells_of_fit(records), solutions = t.most_views * t.solutions,
+                    of_solution = t.fits_of_solution(),
+                    settling = static_cast<std::size_t>(t.settling_passes);
+  add_parts(solutions, of_solution * fit_cells);
+  add_parts(settling, fit_cells);
+  plan.fits = std::min(work / fit_cells + of_solution, solutions * of_solution + settling);
+  if (plan.frames > 1) ++plan.frames;  // in which the surface is carried to the present frame
   return plan;
 }
 

@@ -106,7 +106,7 @@ TrackerLimits asked_limits(const Args& args, const Model& model, const FrameStre
   TrackerLimits limits = with_base_mesh(tracker_limits(args, size), model);
   const bool searches = !model.detector().empty() || !model.print().empty();
   if (searches && !frames.is_live() && !args.has(kProfileOption.name))
-    limits.search_work = whole_search(limits);
+    limits.search_work = whole_search(model, limits);
   return args.has("--freeze") ? without_second_look(without_person(limits)) : limits;
 }
 

@@ -1,6 +1,7 @@
 #include "host/commands/tracker_limits.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "host/io/failure.hpp"
 
@@ -14,7 +15,8 @@ constexpr int kLargeWidth = 480;
 
 }  // namespace
 
-std::uint32_t whole_search(const TrackerLimits& limits) {
+std::uint32_t whole_search(const Model& model, const TrackerLimits& limits) {
+  if (!model.print().empty()) return std::numeric_limits<std::uint32_t>::max();
   const TrackerLimits usual;  // whose search takes one frame
   const auto area = [](const TrackerLimits& l) { return static_cast<double>(l.width) * l.height; };
   return static_cast<std::uint32_t>(usual.search_work * std::max(1.0, area(limits) / area(usual)));

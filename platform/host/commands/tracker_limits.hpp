@@ -15,8 +15,8 @@ constexpr Option kVerticesOption{"--vertices", "V", "vertices of the mesh, at mo
 constexpr Option kPointsOption{"--points", "N", "templates, those of later key frames included"};
 
 /// Work of a search that takes one frame whatever its size, for videos that need not be tracked in real time; as
-/// TrackerLimits::search_work.
-std::uint32_t whole_search(const TrackerLimits& limits);
+/// TrackerLimits::search_work. Of a print there is no bound.
+std::uint32_t whole_search(const Model& model, const TrackerLimits& limits);
 
 /// The limits of the profile that `--profile` names, else M, or L from a width of 480 px on; and as the other options say.
 /// \param size  of the frames; none: the size of the profile. Bad usage: another profile, and counts out of range.

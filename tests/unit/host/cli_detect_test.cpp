@@ -106,12 +106,12 @@ TEST_CASE(
 
 TEST_CASE("a large video that need not be tracked in real time is searched whole in each frame") {
   TrackerLimits limits;
-  CHECK(whole_search(limits) == limits.search_work);
+  CHECK(whole_search(baked_face().model, limits) == limits.search_work);
   limits.width = 1280;
   limits.height = 960;
-  CHECK(whole_search(limits) == 16 * TrackerLimits{}.search_work);
+  CHECK(whole_search(baked_face().model, limits) == 16 * TrackerLimits{}.search_work);
   limits.width = limits.height = 64;
-  CHECK(whole_search(limits) == TrackerLimits{}.search_work);
+  CHECK(whole_search(baked_face().model, limits) == TrackerLimits{}.search_work);
 }
 
 TEST_CASE(

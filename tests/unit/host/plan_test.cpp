@@ -11,7 +11,7 @@
 #include "host/io/frame_source.hpp"
 #include "host/io/image.hpp"
 #include "host/io/owned.hpp"
-#include "print/print_matcher.hpp"
+#include "print/print_finder.hpp"
 #include "print/print_tuning.hpp"
 #include "print_film.hpp"
 #include "random.hpp"
@@ -298,22 +298,24 @@ TEST_CASE(
   const Plan plan = make_plan(model, limits),
              bare = make_plan(model, without_detection(without_stretch(limits)));
   CHECK(most_of(plan, "blocks of the print compared") == 48);
-  const auto matches = static_cast<double>(PrintMatcher::most_matches());
-  for (const auto* loads : {&plan.search_loads, &plan.start_loads})
-    CHECK(most_of(*loads, "pairs of matches that vote for views") == matches * matches);
   CHECK(most_instructions(plan.loads) > most_instructions(bare.loads));
   CHECK(most_counted_instructions(plan.loads) > most_counted_instructions(bare.loads));
   CHECK(most_instructions(plan.search_loads) > 0);
   CHECK(bare.search_loads.empty());
-  // A search of one frame carries nothing to a later one.
-  TrackerLimits slow;
+  // A search of one frame carries nothing to a later one, and has all fits in it.
+  TrackerLimits slow, whole;
   slow.search_work = 1000;
-  const char* const kMotion = "pixels compared for the motion of a print";
-  for (const Load& load : plan.search_loads) CHECK(load.what != std::string(kMotion));
-  CHECK(most_of(make_plan(model, slow).search_loads, kMotion) > 0);
-  // Four coarse passes, four usual ones and twelve of settling, in fits of four.
-  CHECK(most_of(make_plan(model, slow).search_loads, "fits of the print") ==
-        most_of(plan.search_loads, "fits of the print") + 5);
+  whole.search_work = std::numeric_limits<std::uint32_t>::max();
+  const Plan spread = make_plan(model, slow), at_once = make_plan(model, whole);
+  const char *const kPlaces = "places found in small pictures", *const kFits = "fits of the print";
+  for (const Load& load : at_once.start_loads) CHECK(load.what != std::string(kPlaces));
+  CHECK(most_of(spread.start_loads, kPlaces) == 3 * 48);
+  const std::size_t of_solution = kPrintTuning.fits_of_solution();
+  CHECK(most_of(spread.search_loads, kFits) <= static_cast<double>(1 + of_solution));
+  CHECK(most_of(at_once.search_loads, kFits) ==
+        static_cast<double>(kPrintTuning.most_views * kPrintTuning.solutions * of_solution) +
+            kPrintTuning.settling_passes);
+  CHECK(at_once.print_search_frames == 1);
   InArena<Tracker> tracker(model, limits);
   const std::vector<float> rest(model.parameters().count, 0);
   for (std::uint32_t n = 0; n < 12; ++n) {
@@ -348,7 +350,8 @@ TEST_CASE(
   CHECK(cells_of(320, 240, 0) == of_level);
   CHECK(cells_of(320, 240, static_cast<std::uint32_t>(of_level) + 1) > 1.2 * of_level);  // with the next one
   CHECK(cells_of(640, 480, 4000) > 640 * 480 / kPrintTuning.pixels_per_cell);
-  CHECK(cells_of(320, 240, 1000000) < 30000);  // a whole search
+  CHECK(cells_of(320, 240, 1000000) <
+        60000);  // a whole search, where all corners match and all matches suggest one scale
 }
 
 TEST_CASE("a frame may search as much as can be said, and its bounds do not overflow") {
@@ -402,28 +405,41 @@ TEST_CASE("bad frames are aligned with any limits that find faces, with second l
   CHECK(steps({}) == 8);
 }
 
-TEST_CASE("the plan bounds the frames of a search for a print, in a picture full of corners too") {
-  PrintTable table;
-  REQUIRE(PrintTable::open(host::sheet().print(), &table) == Status::ok);
-  TrackerLimits one_part = profile_s();
-  one_part.search_work = 0;
-  for (const TrackerLimits& limits : {TrackerLimits{}, profile_s(), profile_l(), one_part}) {
-    const int width = limits.width, height = limits.height;
-    Random random(1);
-    std::vector<std::uint8_t> noise(static_cast<std::size_t>(width * height));
-    for (auto& pixel : noise) pixel = static_cast<std::uint8_t>(random.below(256));
-    FrameView frame{noise.data(), width, height, static_cast<std::size_t>(width)};
-    InArena<PrintMatcher> matcher(table, width, height);
-    REQUIRE(matcher->begin(frame, CornerChoice::strongest) == Status::ok);
-    int frames = 1;
-    while (!matcher->step(limits.search_work)) ++frames;
-    const int most = make_plan(host::sheet(), limits).print_search_frames;
-    CHECK(frames <= most);
-    CHECK(most <=
-          frames + frames / 3 + 1);  // noise has fewer corners on its smaller levels than there is room for
+/// Frames of a search for the sheet that looks at the same frame again and again; it shows the sheet, or noise.
+int frames_of_search(const TrackerLimits& limits, bool shows_sheet) {
+  Random random(1);
+  const int width = limits.width, height = limits.height;
+  host::Image picture(width, height, 1);
+  for (auto& pixel : picture.pixels) pixel = static_cast<std::uint8_t>(random.below(256));
+  const std::vector<float> rest(host::sheet().parameters().count, 0);
+  const host::Image sheet = host::picture_of(host::posed(0.2f, 0.1f, 0.3f, 1), rest, 1);
+  for (int y = 0; shows_sheet && y < std::min(height, host::kHeight); ++y)
+    for (int x = 0; x < std::min(width, host::kWidth); ++x) *picture.at(x, y) = *sheet.at(x, y);
+  const FrameView frame{picture.pixels.data(), width, height, static_cast<std::size_t>(width)};
+  InArena<PrintFinder> finder(host::sheet(), width, height);
+  std::vector<float> q(rest.size());
+  FoundPrint found;
+  for (int frames = 1;; ++frames) {
+    const Status status = finder->search(frame, limits.search_work, host::kCamera, q.data(), &found);
+    REQUIRE((status == Status::ok || status == Status::not_found));
+    if (finder->is_idle()) return frames;
   }
-  CHECK(make_plan(host::sheet(), {}).print_search_frames == 1);
-  CHECK(make_plan(host::sheet(), profile_l()).print_search_frames == 2);
+}
+
+TEST_CASE(
+    "the plan bounds the frames of a search for a print: with the print, and in a picture full of corners") {
+  TrackerLimits little = profile_s(), whole = profile_l();
+  little.search_work = 100;
+  whole.search_work = std::numeric_limits<std::uint32_t>::max();
+  for (const TrackerLimits& limits : {TrackerLimits{}, profile_s(), profile_l(), little, whole})
+    for (const bool shows_sheet : {true, false}) {
+      CAPTURE(limits.search_work);
+      CAPTURE(shows_sheet);
+      const int frames = frames_of_search(limits, shows_sheet);
+      CHECK(frames > 0);
+      CHECK(frames <= make_plan(host::sheet(), limits).print_search_frames);
+    }
+  CHECK(make_plan(host::sheet(), whole).print_search_frames == 1);
   CHECK(make_plan(baked_face().model, {}).print_search_frames == 0);
 }
 

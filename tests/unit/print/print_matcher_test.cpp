@@ -1,7 +1,10 @@
-// What a search of several frames knows of the motion meanwhile: the shift of a box from the frame whose corners were found.
+// What a search keeps of its frame: corners, matches and a copy, which a later frame replaces.
 #include "print/print_matcher.hpp"
 
 #include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdlib>
 
 #include "print/print_table.hpp"
 #include "print_film.hpp"
@@ -30,8 +33,7 @@ struct Search {
 
   Search() : matcher(opened(), kWidth, kHeight) {
     REQUIRE(matcher->begin(window_at(picture, 100, 100), CornerChoice::strongest) == Status::ok);
-    while (!matcher->step(1000)) {
-    }
+    while (!matcher->is_idle()) CHECK(matcher->step() < 10000);
   }
   const PrintTable& opened() {
     REQUIRE(PrintTable::open(sheet().print(), &table) == Status::ok);
@@ -39,35 +41,35 @@ struct Search {
   }
 };
 
-constexpr PixelBox kBox{100, 80, 220, 160};
-
 }  // namespace
 
-TEST_CASE("the shift of a box is found up to a quarter of the width, to about a pixel") {
-  const struct { int x, y; } shifts[] = {{0, 0}, {3, -2}, {-17, 22}, {41, 10}, {-76, 0}, {0, 76}};
-  for (const auto& by : shifts) {
-    CAPTURE(by.x);
-    CAPTURE(by.y);
-    Search search;
-    const Vec2 moved = search.matcher->move_on(window_at(search.picture, 100 - by.x, 100 - by.y), kBox);
-    CHECK(length(moved - Vec2{static_cast<float>(by.x), static_cast<float>(by.y)}) < 1.5f);
-    CHECK(search.matcher->searched().data[0] == *search.picture.at(100 - by.x, 100 - by.y));
-  }
+TEST_CASE(
+    "a later frame takes the place of the one that was searched, and both are at hand at a quarter of their "
+    "size") {
+  Search search;
+  const SmallPictures shown = search.matcher->move_on(window_at(search.picture, 60, 124));
+  CHECK(search.matcher->searched().data[0] == *search.picture.at(60, 124));
+  CHECK(shown.scale == 4);
+  CHECK((shown.before.width == kWidth / 4 && shown.now.height == kHeight / 4));
+  int most = 0;
+  for (int y = 10; y < 40; ++y)
+    for (int x = 12; x < 60; ++x) {
+      const auto at = [](const ImageView& image, int column, int row) {
+        return int{image.data[row * image.stride + column]};
+      };
+      most = std::max(most, std::abs(at(shown.before, x, y) - at(shown.now, x + 10, y - 6)));
+    }
+  CHECK(most <= 1);
 }
 
 TEST_CASE(
-    "where nothing tells, no shift is found: a flat frame, no box, a box outside, a frame of another size") {
-  const Image flat(kWidth + 200, kHeight + 200, 1);
-  FrameView small;
-  for (const PixelBox& box : {kBox, PixelBox{}, PixelBox{400, 0, 500, 100}, PixelBox{100, 80, 104, 84}}) {
-    Search search;
-    const bool is_whole = box.x0 == kBox.x0 && box.x1 == kBox.x1;
-    small = window_at(search.picture, 100, 100);
-    small.width -= 8;
-    CHECK(length(search.matcher->move_on(small, box)) == 0);
-    CHECK(length(search.matcher->move_on(
-              is_whole ? window_at(flat, 0, 0) : window_at(search.picture, 88, 104), box)) == 0);
-  }
+    "a frame of another size takes no place: both small pictures are those of the frame that was searched") {
+  Search search;
+  FrameView small = window_at(search.picture, 60, 124);
+  small.width -= 8;
+  const SmallPictures shown = search.matcher->move_on(small);
+  CHECK(search.matcher->searched().data[0] == *search.picture.at(100, 100));
+  CHECK(std::equal(shown.before.data, shown.before.data + kWidth / 4 * kHeight / 4, shown.now.data));
 }
 
 }  // namespace print_matcher_test

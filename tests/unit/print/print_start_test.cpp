@@ -97,7 +97,7 @@ int frames_until_found(Film* film, float px_a_frame, const Shown& shown, Pose* l
 
 TEST_CASE("a sheet that moves while its search takes several frames is found where it is now") {
   TrackerLimits limits;
-  limits.search_work = 1000;
+  limits.search_work = profile_s().search_work;
   for (const float px_a_frame : {2.0f, 5.0f, 8.0f}) {
     CAPTURE(px_a_frame);
     Film film(sheet(), limits);
@@ -345,11 +345,30 @@ TEST_CASE("of views that lead to one fit only the one with most votes is kept") 
     if (k % 2 == 0) matches.push_back(match(uv, -2, {-40, 0}));
   }
   ViewVotes views[3];
-  REQUIRE(find_views({matches.data(), matches.size()}, kCamera, 20, {views, 3}) == 2);
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < matches.size(); ++k)
+    CHECK(vote_for_view({matches.data(), matches.size()}, k, kCamera, 20, {views, 3}, &count) ==
+          matches.size());
+  REQUIRE(count == 2);
   CHECK(views[0].votes == 9);
   CHECK(views[1].votes == 5);
   CHECK(length(log_rotation(views[0].view.q * conjugate(exp_rotation({0, 0, 0.2f})))) < 1e-3f);
   CHECK_FALSE(is_similar(matches[views[0].match], matches[views[1].match]));
+}
+
+TEST_CASE("matches that suggest another scale are not compared") {
+  std::vector<SurfaceMatch> matches(9);
+  for (std::size_t k = 0; k < matches.size(); ++k) {
+    matches[k].p = {10.0f * static_cast<float>(k), 0, 0};
+    matches[k].s = k % 3 == 0 ? 2.0f : k % 3 == 1 ? 0.5f : 0.51f;
+  }
+  const Span<SurfaceMatch> all{matches.data(), matches.size()};
+  sort_by_scale(all);
+  for (std::size_t k = 1; k < matches.size(); ++k) CHECK(matches[k - 1].s <= matches[k].s);
+  ViewVotes views[3];
+  std::size_t count = 0;
+  CHECK(vote_for_view(all, 0, kCamera, 20, {views, 3}, &count) == 6);
+  CHECK(vote_for_view(all, 8, kCamera, 20, {views, 3}, &count) == 3);
 }
 
 TEST_CASE("the distance of two descriptors is the number of bits that differ") {
