@@ -44,20 +44,20 @@ struct Count {
   std::uint32_t compared = 0;
 };
 
-Count count_votes(Span<const SurfaceMatch> matches, std::size_t of, const View& view, float tolerance_px) {
+Count count_votes(const ScaledMatches& matches, std::size_t place, const View& view, float tolerance_px) {
   const Projector projector(view, true);
+  const SurfaceMatch& of = matches[place];
   Count count;
-  // They are sorted: beyond the first whose scale is too different there is none that agrees.
+  // Beyond the first whose scale is too different there is none that agrees.
   const auto goes_on = [&](const SurfaceMatch& m) {
-    if (!has_like_scale(m, matches[of])) return false;
+    if (!has_like_scale(m, of)) return false;
     ++count.compared;
     Vec2 x;
-    if (is_similar(m, matches[of]) && projector.project(m.p, &x) && length(x - m.x) <= tolerance_px)
-      ++count.votes;
+    if (is_similar(m, of) && projector.project(m.p, &x) && length(x - m.x) <= tolerance_px) ++count.votes;
     return true;
   };
-  for (std::size_t k = of; k < matches.count && goes_on(matches[k]);) ++k;
-  for (std::size_t k = of; k > 0 && goes_on(matches[k - 1]);) --k;
+  for (std::size_t k = place; k < matches.order.count && goes_on(matches[k]);) ++k;
+  for (std::size_t k = place; k > 0 && goes_on(matches[k - 1]);) --k;
   return count;
 }
 
@@ -79,20 +79,23 @@ bool is_similar(const SurfaceMatch& a, const SurfaceMatch& b) {
   return has_like_scale(a, b) && half_cosine(a.q, b.q) >= kTuning.least_half_cosine;
 }
 
-void sort_by_scale(Span<SurfaceMatch> matches) {
-  heap_sort(matches.data, matches.count,
-            [](const SurfaceMatch& a, const SurfaceMatch& b) { return a.s < b.s; });
+void ScaledMatches::sort() {
+  for (std::size_t k = 0; k < order.count; ++k) order[k] = static_cast<std::uint16_t>(k);
+  const SurfaceMatch* const m = all.data;
+  heap_sort(order.data, order.count, [m](std::uint16_t a, std::uint16_t b) { return m[a].s < m[b].s; });
 }
 
-std::uint32_t vote_for_view(Span<const SurfaceMatch> matches, std::size_t of, const Camera& camera,
+std::uint32_t vote_for_view(const ScaledMatches& matches, std::size_t place, const Camera& camera,
                             float tolerance_mm, Span<ViewVotes> views, std::size_t* count) {
-  const View view = view_from(matches[of], camera);
-  const Count counted = count_votes(matches, of, view, tolerance_mm * view.s);
+  const View view = view_from(matches[place], camera);
+  const Count counted = count_votes(matches, place, view, tolerance_mm * view.s);
   insert_distinct(
-      views, count, {view, counted.votes, of},
-      [](const ViewVotes& a, const ViewVotes& b) { return a.votes > b.votes; },
+      views, count, {view, counted.votes, matches.order[place]},
+      [](const ViewVotes& a, const ViewVotes& b) {
+        return a.votes > b.votes || (a.votes == b.votes && a.match < b.match);
+      },
       [&](const ViewVotes& a, const ViewVotes& b) {
-        return is_same(a, matches[a.match], matches[b.match], tolerance_mm);
+        return is_same(a, matches.all[a.match], matches.all[b.match], tolerance_mm);
       });
   return counted.compared;
 }

@@ -32,16 +32,23 @@ float half_cosine(const Quat& a, const Quat& b);
 /// Whether two matches suggest nearly the same rotation and scale.
 bool is_similar(const SurfaceMatch& a, const SurfaceMatch& b);
 
-/// Sorts matches by the scale that they suggest.
-void sort_by_scale(Span<SurfaceMatch> matches);
+/// Matches, the best ones first, and their order by scale.
+struct ScaledMatches {
+  Span<const SurfaceMatch> all;
+  Span<std::uint16_t> order;  ///< indices, as many as matches
+
+  /// Fills `order`. 0.5 million operations for 1,700 matches.
+  void sort();
+  const SurfaceMatch& operator[](std::size_t place) const { return all[order[place]]; }
+};
 
 /// Takes one match as true, and counts the others near their place in the view that it suggests. After all have been taken in turn
 /// `views` are those with most votes, best first; of nearly the same ones only the best is kept.
-/// \param matches       sorted by scale: those of other scales are not compared.
+/// \param place         of the match, in the order: matches of other scales are not compared.
 /// \param tolerance_mm  distance on the surface at which a match still agrees.
 /// \param count         of the views so far; 0 before the first match.
 /// \return matches that were compared: 20 to 100 operations each.
-std::uint32_t vote_for_view(Span<const SurfaceMatch> matches, std::size_t of, const Camera& camera,
+std::uint32_t vote_for_view(const ScaledMatches& matches, std::size_t place, const Camera& camera,
                             float tolerance_mm, Span<ViewVotes> views, std::size_t* count);
 
 /// The view's second solution, where the surface is flat and perspective weak: tilted to the other side about the same

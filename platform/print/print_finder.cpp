@@ -81,6 +81,7 @@ void PrintFinder::lay_out(Arena& arena, const Model& model, int width, int heigh
   fit_ = create_part<PrintFit>(arena, model, table);
   fit_cells_ = kPrintTuning.cells_of_fit(model.cascade().count);
   matches_ = arena.take_span<SurfaceMatch>(PrintMatcher::most_matches());
+  order_ = arena.take_span<std::uint16_t>(matches_.count);
   views_ = arena.take_span<ViewVotes>(kPrintTuning.most_views);
   now_ = arena.make<Progress>();
   best_q_ = arena.take_span<float>(model.parameters().count);
@@ -124,7 +125,7 @@ std::uint32_t PrintFinder::step(const PrintPicture& in) {
     }
     case Stage::gathering:
       if (match_count_ < found.count) return gather(found[match_count_]), 1;
-      sort_by_scale({matches_.data, match_count_});
+      scaled_matches().sort();
       voted_ = view_count_ = 0, stage_ = Stage::voting;
       return 0;
     case Stage::voting:
@@ -168,7 +169,7 @@ void PrintFinder::gather(const PrintMatch& match) {
 /// \return the cost, cells.
 std::uint32_t PrintFinder::vote(const Camera& camera) {
   const std::uint32_t compared = vote_for_view(
-      matches_of(0).all, voted_++, camera, fit_->tolerance_mm(MatchTolerance::vote), views_, &view_count_);
+      scaled_matches(), voted_++, camera, fit_->tolerance_mm(MatchTolerance::vote), views_, &view_count_);
   return compared / kPrintTuning.pairs_per_cell + 1;
 }
 

@@ -74,6 +74,9 @@ class PrintFinder {
   bool waits(const FoundPrint& found, bool is_quick);
   bool is_clear() const;
   SeededMatches matches_of(std::size_t seed) const { return {{matches_.data, match_count_}, seed}; }
+  ScaledMatches scaled_matches() const {
+    return {{matches_.data, match_count_}, {order_.data, match_count_}};
+  }
   static bool is_better(const Candidate& a, const Candidate& b);
   bool keep(const Candidate& candidate);
 
@@ -84,6 +87,7 @@ class PrintFinder {
   Stage stage_ = Stage::none;
   std::uint32_t fit_cells_ = 0;  // what a fit costs
   Span<SurfaceMatch> matches_;
+  Span<std::uint16_t> order_;                // of the matches, by scale
   std::size_t match_count_ = 0, voted_ = 0;  // matches that are gathered, and that have voted
   Span<ViewVotes> views_;
   std::size_t view_count_ = 0;

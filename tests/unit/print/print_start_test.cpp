@@ -345,10 +345,12 @@ TEST_CASE("of views that lead to one fit only the one with most votes is kept") 
     if (k % 2 == 0) matches.push_back(match(uv, -2, {-40, 0}));
   }
   ViewVotes views[3];
+  std::vector<std::uint16_t> order(matches.size());
+  ScaledMatches scaled{{matches.data(), matches.size()}, {order.data(), order.size()}};
+  scaled.sort();
   std::size_t count = 0;
   for (std::size_t k = 0; k < matches.size(); ++k)
-    CHECK(vote_for_view({matches.data(), matches.size()}, k, kCamera, 20, {views, 3}, &count) ==
-          matches.size());
+    CHECK(vote_for_view(scaled, k, kCamera, 20, {views, 3}, &count) == matches.size());
   REQUIRE(count == 2);
   CHECK(views[0].votes == 9);
   CHECK(views[1].votes == 5);
@@ -362,13 +364,14 @@ TEST_CASE("matches that suggest another scale are not compared") {
     matches[k].p = {10.0f * static_cast<float>(k), 0, 0};
     matches[k].s = k % 3 == 0 ? 2.0f : k % 3 == 1 ? 0.5f : 0.51f;
   }
-  const Span<SurfaceMatch> all{matches.data(), matches.size()};
-  sort_by_scale(all);
-  for (std::size_t k = 1; k < matches.size(); ++k) CHECK(matches[k - 1].s <= matches[k].s);
+  std::uint16_t order[9];
+  ScaledMatches scaled{{matches.data(), matches.size()}, {order, matches.size()}};
+  scaled.sort();
+  for (std::size_t k = 1; k < matches.size(); ++k) CHECK(scaled[k - 1].s <= scaled[k].s);
   ViewVotes views[3];
   std::size_t count = 0;
-  CHECK(vote_for_view(all, 0, kCamera, 20, {views, 3}, &count) == 6);
-  CHECK(vote_for_view(all, 8, kCamera, 20, {views, 3}, &count) == 3);
+  CHECK(vote_for_view(scaled, 0, kCamera, 20, {views, 3}, &count) == 6);
+  CHECK(vote_for_view(scaled, 8, kCamera, 20, {views, 3}, &count) == 3);
 }
 
 TEST_CASE("the distance of two descriptors is the number of bits that differ") {
