@@ -144,7 +144,8 @@ class Fitter {
 /// vertices when there are fewer than four.
 /// \param q     all parameters.
 /// \param size  of the box, px, > 0.
-/// \return bad_argument (NaN, an empty box, f <= 0, or a flat model); `view` is then as before.
+/// \return bad_argument (NaN, an empty box, f <= 0, a view that is not `is_possible` (camera.hpp), or a flat model); `view` is then
+///         as before.
 Status view_from_box(Cascade& cascade, const float* q, Vec2 corner, Vec2 size, const Camera& camera,
                      View* view);
 

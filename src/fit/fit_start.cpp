@@ -120,9 +120,7 @@ void find_initial_view(FitProblem& problem, Vec2 centre) {
 Status view_from_box(Cascade& cascade, const float* q, Vec2 corner, Vec2 size, const Camera& camera,
                      View* view) {
   const Model& model = cascade.model();
-  if (!is_finite(corner) || !is_finite(size) || !(size.x > 0 && size.y > 0) || !(camera.f > 0) ||
-      !is_finite(Vec3{camera.f, camera.cx, camera.cy}))
-    return Status::bad_argument;
+  if (!(size.x > 0 && size.y > 0 && camera.f > 0)) return Status::bad_argument;
   Vec3 low{1e9f, 1e9f, 1e9f}, high{-1e9f, -1e9f, -1e9f};
   const auto include = [&](Vec3 p) {
     low = min(low, p);
@@ -146,6 +144,7 @@ Status view_from_box(Cascade& cascade, const float* q, Vec2 corner, Vec2 size, c
   const Vec2 middle = corner + 0.5f * size;
   const Vec2 offset = (1.0f / out.s) * (middle - out.c);
   out.tau = {offset.x - centre.x, offset.y + centre.y};
+  if (!is_possible(pose_of(out), camera)) return Status::bad_argument;
   *view = out;
   return Status::ok;
 }

@@ -117,7 +117,7 @@ TEST_CASE("points beyond a million px are refused: their squares would be infini
   }
 }
 
-TEST_CASE("a box without area, and a camera that is not finite, start nothing") {
+TEST_CASE("a box without area, a camera that is not finite, and a view beyond all bounds start nothing") {
   const OpenedEgg egg(6);
   InArena<Cascade> cascade(egg.model);
   const Camera camera = centred_camera(640, 480, 900);
@@ -136,6 +136,8 @@ TEST_CASE("a box without area, and a camera that is not finite, start nothing") 
       CHECK(status({10, 10}, other) == Status::bad_argument);
     }
   }
+  CHECK(status({10, 10}, {1e-38f, 320, 240}) == Status::bad_argument);
+  CHECK(status({10, 10}, {900, 3e38f, 240}) == Status::bad_argument);
   CHECK(view.s == 7);
 }
 
