@@ -29,12 +29,19 @@ std::size_t usefulness_rank(const std::string& name) {
 }
 
 std::vector<std::string> names_unknown_to_arkit(const Source& source) {
+  const auto is_beside_pair = [&](const std::string& name, std::size_t rank) {
+    const std::string known = kNames[rank], pair = known.substr(0, known.size() - 1);
+    return known.back() == '=' && name != pair &&
+           std::any_of(source.parameters.begin(), source.parameters.end(),
+                       [&](const SourceParameter& p) { return p.name == pair; });
+  };
   std::vector<std::string> unknown;
   bool is_face = std::any_of(source.landmarks.begin(), source.landmarks.end(),
                              [](const SourceLandmark& l) { return l.name.compare(0, 4, "ibug") == 0; });
   for (const SourceParameter& p : source.parameters) {
     if (p.group != Group::expression) continue;
-    const bool is_known = usefulness_rank(p.name) < std::size(kNames);
+    const std::size_t rank = usefulness_rank(p.name);
+    const bool is_known = rank < std::size(kNames) && !is_beside_pair(p.name, rank);
     is_face |= is_known;
     if (!is_known) unknown.push_back(p.name);
   }

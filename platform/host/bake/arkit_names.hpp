@@ -13,8 +13,9 @@ namespace pliant::host::bake {
 /// number of ARKit's names. The order is a judgement; it was not measured.
 std::size_t usefulness_rank(const std::string& name);
 
-/// The names of a face's expressions that ARKit does not have, neither alone nor as one side of a pair. Empty if the source is no
-/// face: it has neither a landmark of iBUG's nor any expression that ARKit has.
+/// The names of a face's expressions that ARKit does not have, neither alone nor as one side of a pair; and the sides of a pair
+/// beside its single name (`browInnerUpLeft` beside `browInnerUp`), which is then the one that is taken for ARKit's. Empty if the
+/// source is no face: it has neither a landmark of iBUG's nor any expression that ARKit has.
 std::vector<std::string> names_unknown_to_arkit(const Source& source);
 
 }  // namespace pliant::host::bake

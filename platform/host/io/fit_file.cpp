@@ -206,11 +206,20 @@ std::vector<std::uint16_t> parameters_named(const Model& model, const std::strin
   return {left, right};
 }
 
+void GivenParameters::add(const std::string& name, const std::vector<std::uint16_t>& parameters) {
+  for (const std::uint16_t k : parameters) {
+    const auto [given, is_new] = names_.emplace(k, name);
+    if (!is_new) fail_input(source_, "'" + given->second + "' and '" + name + "' give the same parameter");
+  }
+}
+
 std::vector<std::string> apply(const NamedValues& values, const std::string& source, const Model& model,
                                float* q) {
   std::vector<std::string> unmatched;
+  GivenParameters given(source);
   for (const auto& [name, value] : values) {
     const auto found = parameters_named(model, name);
+    given.add(name, found);
     for (const std::uint16_t k : found) {
       const Parameter& p = model.parameters()[k];
       if (!(value >= p.minimum && value <= p.maximum))

@@ -2,6 +2,7 @@
 /// \file fit_file.hpp
 /// Reads and writes `fit.json`: a model fitted to a picture. `pliant fit` writes it; `pliant track` starts from it.
 #include <cstdint>
+#include <map>
 #include <ostream>
 #include <string>
 #include <utility>
@@ -50,7 +51,21 @@ bool is_nearly_unit(Quat q);
 /// Empty if there is none; so for `jaw` and `mouth`, whose Left and Right are directions.
 std::vector<std::uint16_t> parameters_named(const Model& model, const std::string& name);
 
-/// Sets the named values in q (all parameters). Bad input in `source` for a value outside its parameter's limits.
+/// Parameters that the names of a source give, each once.
+class GivenParameters {
+ public:
+  explicit GivenParameters(const std::string& source) : source_(source) {}
+  /// Notes what a name drives. Bad input in the source if another name drives one of these, as `browInnerUp` and
+  /// `browInnerUpLeft` do.
+  void add(const std::string& name, const std::vector<std::uint16_t>& parameters);
+
+ private:
+  std::string source_;
+  std::map<std::uint16_t, std::string> names_;
+};
+
+/// Sets the named values in q (all parameters). Bad input in `source` for a value outside its parameter's limits, and for a
+/// parameter that two names give.
 /// \return the names that the model does not have.
 std::vector<std::string> apply(const NamedValues& values, const std::string& source, const Model& model,
                                float* q);

@@ -50,10 +50,12 @@ struct Target {
 
 std::vector<Target> targets(const CsvTable& table, const Model& model, std::vector<std::string>* unmatched) {
   std::vector<Target> out;
+  GivenParameters given(table.source());
   for (std::size_t c = 0; c < table.columns().size(); ++c) {
     const std::string& name = table.columns()[c];
     const auto pose = std::find(std::begin(kPoseColumns), std::end(kPoseColumns), name);
     const auto parameters = parameters_named(model, name);
+    given.add(name, parameters);
     if (pose != std::end(kPoseColumns))
       out.push_back({c, {}, static_cast<std::size_t>(pose - std::begin(kPoseColumns))});
     else if (!parameters.empty())

@@ -55,8 +55,8 @@ struct PosedParameters {
 enum class EmptyCell { row_before, neutral };
 
 /// Reads any CSV with columns of those names. A missing column keeps the value of `neutral`. Columns that are neither parameters
-/// nor of the track CSV go to `unmatched`. Bad input for a cell that is no finite number, a quaternion that is not nearly of unit
-/// length, or a place out of range.
+/// nor of the track CSV go to `unmatched`. Bad input for two columns that give one parameter (GivenParameters), a cell that is no
+/// finite number, a quaternion that is not nearly of unit length, or a place out of range.
 std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const Model& model,
                                                    const PosedParameters& neutral,
                                                    std::vector<std::string>* unmatched,

@@ -229,6 +229,8 @@ TEST_CASE("parameters move the mesh, one name drives a pair, and refinement foll
   }
   CHECK(left > 8);
   CHECK(right == doctest::Approx(static_cast<double>(left)).epsilon(0.05));
+  check_refused({"mesh", m.path, "--param", "browUpRight=0", "--param", "browUp=1"},
+                {"--param: 'browUpRight' and 'browUp' give the same parameter"});
   CHECK(m.vertices({"--threshold", "0.1", "--param", "jawOpen=1"}) > m.vertices({"--threshold", "0.1"}));
 }
 

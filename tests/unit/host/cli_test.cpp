@@ -464,6 +464,10 @@ TEST_CASE("render writes the truth as a track, and a track can be rendered again
                 {"bad.csv: line 2", "tz"});
   check_refused({"render", s.model, "--params", s.put("bad.csv", "tz\n"), "-o", s / "no.y4m"},
                 {"bad.csv", "no rows"});
+  // The name of a pair and that of one side: which of the two counts?
+  check_refused(
+      {"render", s.model, "--params", s.put("bad.csv", "browUp,browUpLeft\n1,0\n"), "-o", s / "no.y4m"},
+      {"bad.csv: 'browUp' and 'browUpLeft' give the same parameter"});
   check_refused({"render", s.model, "--params", s.truth, "-o", s / "nowhere/no.y4m"},
                 {"nowhere/no.y4m", "cannot be written"});
   CHECK_FALSE(s.has("no.y4m"));
