@@ -221,6 +221,9 @@ int run_track(const Args& args, Console& console) {
   if (output.has_no_pose())
     console.err << frames.name() << ": " << (model.print().empty() ? "no face" : "no print")
                 << " was found in any frame\n";
+  if (output.has_doubtful_truth())
+    console.err << args.required("--truth") << ": most of its landmarks lie outside the frames, which are "
+                << frames.size().width << "x" << frames.size().height << "\n";
   if (!frames.note().empty()) console.err << frames.note() << "\n";
   if (!output.failure().empty()) throw Failure(kBadInput, output.failure());
   if (watch.was_interrupted()) return frames.is_live() ? 0 : kInterrupted;

@@ -83,7 +83,8 @@ void TrackOutput::add(const FrameStream& frames, const FrameView& frame, Reduced
   if (with_landmarks_) row.points = landmarks;
   row.points.insert(row.points.end(), markers.begin(), markers.end());
   if (number > 0) milliseconds_.push_back(milliseconds);
-  if (row.state != TrackState::lost && truth_) truth_->add(number, row.pose, landmarks);
+  if (row.state != TrackState::lost && truth_)
+    truth_->add(number, row.pose, landmarks, {frame.width, frame.height});
   write(row, frame);
   const auto marks = [&] {
     return row.state == TrackState::lost ? TrackMarks{} : TrackMarks{tracker.mesh(), landmarks, markers};

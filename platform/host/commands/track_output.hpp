@@ -44,6 +44,8 @@ class TrackOutput {
   bool goes_on() const { return window_ == nullptr || window_->is_open(); }
   /// Whether no frame so far has a pose.
   bool has_no_pose() const { return known_ == 0; }
+  /// Whether the truth is to be doubted: most of its landmarks lie outside the frames.
+  bool has_doubtful_truth() const { return truth_ && truth_->is_mostly_outside(); }
   /// Why an overlay or a window failed; empty if none did. The track is to be kept.
   const std::string& failure() const { return failure_; }
 

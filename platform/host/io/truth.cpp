@@ -42,7 +42,7 @@ TruthComparison::TruthComparison(const std::string& path, const Model& model) {
 }
 
 void TruthComparison::add(std::size_t frame, const Pose& pose,
-                          const std::vector<std::optional<Vec2>>& landmarks) {
+                          const std::vector<std::optional<Vec2>>& landmarks, ImageSize size) {
   const auto found = rows_.find(frame);
   if (found == rows_.end()) return;
   const Row& truth = found->second;
@@ -52,6 +52,9 @@ void TruthComparison::add(std::size_t frame, const Pose& pose,
     if (!truth.landmarks[k] || !landmarks[k]) continue;
     distance_sum_ += static_cast<double>(length(*landmarks[k] - *truth.landmarks[k]));
     ++distance_count_;
+    const Vec2 last = {static_cast<float>(size.width - 1), static_cast<float>(size.height - 1)},
+               x = *truth.landmarks[k];
+    if (x.x < 0 || x.y < 0 || x.x > last.x || x.y > last.y) ++outside_count_;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/io/image.hpp"
 #include "pliant/geometry.hpp"
 #include "pliant/model.hpp"
 
@@ -18,13 +19,16 @@ class TruthComparison {
   TruthComparison(const std::string& path, const Model& model);
 
   /// Compares one frame that was not lost; `landmarks` in the model's order.
-  void add(std::size_t frame, const Pose& pose, const std::vector<std::optional<Vec2>>& landmarks);
+  void add(std::size_t frame, const Pose& pose, const std::vector<std::optional<Vec2>>& landmarks,
+           ImageSize size);
 
   /// Over all landmarks of all frames, px.
   double mean_landmark_px() const;
   /// Median over the frames of the angle between the two rotations, degrees.
   double median_rotation_deg() const;
   std::size_t frame_count() const { return rotation_deg_.size(); }
+  /// Whether most landmarks that were compared truly lie outside their frames: the truth of larger frames does.
+  bool is_mostly_outside() const { return 2 * outside_count_ > distance_count_; }
 
  private:
   struct Row {
@@ -34,7 +38,7 @@ class TruthComparison {
   std::map<std::size_t, Row> rows_;
   std::vector<double> rotation_deg_;
   double distance_sum_ = 0;
-  std::size_t distance_count_ = 0;
+  std::size_t distance_count_ = 0, outside_count_ = 0;
 };
 
 }  // namespace pliant::host

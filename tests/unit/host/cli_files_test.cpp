@@ -290,9 +290,11 @@ TEST_CASE("a comparison with the truth gives the known errors") {
       landmarks.push_back(x);
       moved.push_back(x + Vec2{3, 4});
     }
-    same.add(k, rows[k].pose, landmarks);
-    off.add(k, {normalised(exp_rotation({0, 0.1f, 0}) * rows[k].pose.q), {}}, moved);
+    same.add(k, rows[k].pose, landmarks, {200, 160});
+    off.add(k, {normalised(exp_rotation({0, 0.1f, 0}) * rows[k].pose.q), {}}, moved, {100, 80});
   }
+  CHECK_FALSE(same.is_mostly_outside());
+  CHECK(off.is_mostly_outside());
   CHECK(same.mean_landmark_px() == 0);
   CHECK(same.median_rotation_deg() < 0.01);
   CHECK(off.mean_landmark_px() == doctest::Approx(5));
