@@ -38,11 +38,11 @@ constexpr float kMinRho = 1e-5f, kMaxRho = 2e-2f;
 /// A point with 1 + rho p'_z below this is too near, or behind, the camera.
 constexpr float kMinDepthRatio = 0.2f;
 
-/// Largest focal length of a camera, px.
-constexpr float kLargestFocalPx = 1e7f;
+/// Smallest and largest focal length of a camera, px.
+constexpr float kSmallestFocalPx = 1e-3f, kLargestFocalPx = 1e7f;
 
 /// Whether a pose and a camera can be those of a picture: finite, a distance in the range of rho (up to rounding), a
-/// quaternion of length 0.7 to 1.4, a focal length of at most kLargestFocalPx, offsets of at most 10^7 mm and 10^7 px.
+/// quaternion of length 0.7 to 1.4, a focal length of kSmallestFocalPx to kLargestFocalPx, offsets of at most 10^7 mm and 10^7 px.
 bool is_possible(const Pose& pose, const Camera& camera);
 /// Conversions between the two forms; rho is clamped to its range.
 View view_of(const Pose& pose, const Camera& camera);

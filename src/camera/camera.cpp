@@ -23,7 +23,8 @@ bool is_possible(const Pose& pose, const Camera& camera) {
     if (!(magnitude(length) <= kLargest)) return false;  // as all comparisons here, for NaN too
   const Quat& q = pose.q;
   const float squared = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-  return squared > 0.5f && squared < 2 && pose.t.z >= kNearest && pose.t.z <= kFarthest && camera.f > 0;
+  return squared > 0.5f && squared < 2 && pose.t.z >= kNearest && pose.t.z <= kFarthest &&
+         camera.f >= kSmallestFocalPx;
 }
 
 View view_of(const Pose& pose, const Camera& camera) {

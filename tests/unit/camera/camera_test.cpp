@@ -190,7 +190,7 @@ TEST_CASE(
   for (const Quat q : {Quat{0.69f, 0, 0, 0}, Quat{0, 0, 1.42f, 0}, Quat{0, 0, 0, 0}})
     CHECK_FALSE(with(q, {0, 0, 500}));
   Camera other = camera;
-  for (const float f : {0.0f, -400.0f, 1.1e7f}) {
+  for (const float f : {0.0f, 9e-4f, -400.0f, 1.1e7f}) {
     other.f = f;
     CHECK_FALSE(is_possible({ahead, {0, 0, 500}}, other));
   }
