@@ -52,6 +52,28 @@ void check_ending(const Option& option, const std::string& path) {
                ", but the name ends as another format: " + path);
 }
 
+/// The words, the last one first. An option without a value would take the next option for it, as where a variable of a script is
+/// empty: after = that is an empty value, else bad usage.
+std::vector<std::string> backwards(const std::vector<std::string>& words,
+                                   const std::vector<Option>& options) {
+  const auto option_of = [&](const std::string& word) {
+    const std::string name = word.substr(0, word.find('='));
+    return std::find_if(options.begin(), options.end(), [&](const Option& o) { return name == o.name; });
+  };
+  std::vector<std::string> out;
+  for (auto word = words.rbegin(); word != words.rend(); ++word) {
+    const auto option = option_of(*word);
+    const bool has_value = option != options.end() && option->value != nullptr;
+    if (has_value && *word == option->name && !out.empty() && option_of(word[-1]) != options.end())
+      fail_usage(*word + " lacks its value: " + word[-1] + " is another option");
+    if (has_value && *word == option->name + std::string("="))
+      out.insert(out.end(), {"", option->name});
+    else  // the value of a short option would begin with the =
+      out.push_back(word->rfind("-o=", 0) == 0 ? "-o" + word->substr(3) : *word);
+  }
+  return out;
+}
+
 }  // namespace
 
 Args::Args(const std::vector<std::string>& words, const std::vector<Option>& options, std::size_t operands,
@@ -69,11 +91,8 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
   std::vector<CLI::Option*> positional;
   for (std::size_t k = 0; k < operands + optional; ++k)
     positional.push_back(app.add_option("operand" + std::to_string(k + 1)));
-  std::vector<std::string> backwards(words.rbegin(), words.rend());
-  for (std::string& word : backwards)
-    if (word.rfind("-o=", 0) == 0) word.erase(2, 1);  // else the value of a short option begins with the =
   try {
-    app.parse(std::move(backwards));
+    app.parse(backwards(words, options));
   } catch (const CLI::Error& error) {
     fail_usage(error.what());
   }

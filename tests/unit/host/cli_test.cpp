@@ -44,6 +44,9 @@ TEST_CASE("bad usage exits with 2 and names the wrong argument") {
       {{"bake", "x", "-o", "y", "--bits", "12"}, "--bits must be 8 or 16"},
       {{"mesh", "m.plm", "-o", ""}, "-o has an empty name"},
       {{"detect", "m.plm", "--image", ""}, "--image has an empty name"},
+      {{"detect", "m.plm", "--image", "a", "-o=", "--landmarks"}, "-o has an empty name"},
+      {{"track", "m.plm", "--frames=", "--out", "t"}, "--frames has an empty name"},
+      {{"track", "m.plm", "--frames", "--out=t"}, "--frames lacks its value: --out=t is another"},
   };
   for (const auto& c : cases) {
     const Ran r = run_words(c.words);
@@ -464,7 +467,6 @@ TEST_CASE("render writes the truth as a track, and a track can be rendered again
                 {"bad.csv: line 2", "tz"});
   check_refused({"render", s.model, "--params", s.put("bad.csv", "tz\n"), "-o", s / "no.y4m"},
                 {"bad.csv", "no rows"});
-  // The name of a pair and that of one side: which of the two counts?
   check_refused(
       {"render", s.model, "--params", s.put("bad.csv", "browUp,browUpLeft\n1,0\n"), "-o", s / "no.y4m"},
       {"bad.csv: 'browUp' and 'browUpLeft' give the same parameter"});
