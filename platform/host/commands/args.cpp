@@ -85,14 +85,19 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
       app.add_flag(option.name)->disable_flag_override();
       continue;
     }
-    CLI::Option* added = app.add_option(option.name)->type_name(option.value)->allow_extra_args(false);
-    if (option.takes == Takes::texts) added->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option(option.name)
+        ->type_name(option.value)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   }
   std::vector<CLI::Option*> positional;
   for (std::size_t k = 0; k < operands + optional; ++k)
     positional.push_back(app.add_option("operand" + std::to_string(k + 1)));
   try {
     app.parse(backwards(words, options));
+  } catch (const CLI::ExtrasError&) {
+    const std::vector<std::string> left = app.remaining();
+    fail_usage("this argument was not expected: " + left[left.size() > 1 && left[0] == "--" ? 1 : 0]);
   } catch (const CLI::Error& error) {
     fail_usage(error.what());
   }
@@ -100,6 +105,9 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
     if (given->count() > 0 && !given->get_positional()) values_[given->get_name()] = given->results();
   for (const CLI::Option* given : positional)
     if (given->count() > 0) operands_.push_back(given->results()[0]);
+  for (const Option& option : options)
+    if (option.value != nullptr && option.takes != Takes::texts && texts(option.name).size() > 1)
+      fail_usage(std::string(option.name) + " is given more than once");
   if (operands_.size() < operands) fail_usage("an operand is missing");
   check_files(options);
 }

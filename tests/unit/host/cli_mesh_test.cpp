@@ -326,7 +326,7 @@ TEST_CASE("bad arguments and bad files are refused with a message that names the
   refused({"--param", "jawOpen=wide"}, "NAME=VALUE");
   refused({"--param", "jawOpen=1e300"}, "NAME=VALUE");
   refused({"--param", "jawOpen=0.1", "--param", "jawOpen=0.2"}, "--param gives jawOpen twice");
-  refused({"--budget", "9", "--budget", "9"}, "--budget: At Most 1 required but received 2");
+  refused({"--budget", "9", "--budget", "9"}, "--budget is given more than once");
   refused({"--figure", m / "f.png"}, "-o does not apply to --figure");
   refused({"--curve"}, "-o does not apply to --figure and --curve");
   CHECK(run_words({"mesh", m.path, "-o", m / "out.stl"}).code == 2);
