@@ -17,8 +17,8 @@ class Lens {
   /// No lens: seen and ideal positions are equal.
   Lens() = default;
   /// \param width, height  image size, px.
-  /// \return bad_argument for null, anything not finite, f <= 0, an empty image, an aspect outside [0.5, 2],
-  ///         or coefficients for which the distorted radius does not grow up to the corners of the image;
+  /// \return bad_argument for null, anything not finite, a camera that is not `is_possible` (camera.hpp), an empty image, an aspect
+  ///         outside [0.5, 2], or coefficients for which the distorted radius does not grow up to the corners of the image;
   ///         `lens` is then as before.
   static Status make(const Camera& camera, int width, int height, Lens* lens);
 

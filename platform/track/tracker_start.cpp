@@ -38,9 +38,8 @@ bool is_focal_length(float px) {
 /// Whether a search can be made with the camera, or the focal length, of a start.
 bool has_camera(const StartOptions& start, const TrackerLimits& limits) {
   const Camera camera = start_camera(start.camera, start.focal_px, limits.width, limits.height);
-  const Pose anywhere{{}, {0, 0, 1000}};
   Lens unused;
-  return is_focal_length(start.focal_px) && is_possible(anywhere, camera) &&
+  return is_focal_length(start.focal_px) &&
          Lens::make(camera, limits.width, limits.height, &unused) == Status::ok;
 }
 

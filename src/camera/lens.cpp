@@ -62,9 +62,8 @@ float Lens::undistorted_radius(float seen) const {
 }
 
 Status Lens::make(const Camera& camera, int width, int height, Lens* lens) {
-  if (lens == nullptr || width <= 0 || height <= 0 || !(camera.f > 0) || !is_finite(camera.f) ||
-      !is_finite(Vec2{camera.cx, camera.cy}) || !is_finite(Vec2{camera.k1, camera.k2}) ||
-      !is_aspect(camera.aspect))
+  if (lens == nullptr || width <= 0 || height <= 0 || !is_possible(Pose{}, camera) ||
+      !is_finite(Vec2{camera.k1, camera.k2}) || !is_aspect(camera.aspect))
     return Status::bad_argument;
   Lens made;
   made.camera_ = camera;

@@ -105,7 +105,7 @@ TEST_CASE("a lens whose radius does not grow over the image, or NaN, is refused 
        {camera_with(-0.9f, 0), camera_with(0, -2), camera_with(-2, 1), camera_with(0.5f, -1),
         camera_with(nan, 0), camera_with(0, nan), camera_with(infinite, 0), camera_with(1e30f, -1e30f),
         camera_with(0, 0, 0.4f), camera_with(0, 0, nan), Camera{0, 1, 1}, Camera{nan, 1, 1},
-        Camera{500, nan, 1}})
+        Camera{500, nan, 1}, Camera{1e-38f, 160, 120, 0.1f}, Camera{400, 3e38f, 120, 0.1f}})
     CHECK(Lens::make(camera, kWidth, kHeight, &lens) == Status::bad_argument);
   CHECK(Lens::make(kCameras[0], 0, kHeight, &lens) == Status::bad_argument);
   CHECK(Lens::make(kCameras[0], kWidth, kHeight, nullptr) == Status::bad_argument);
