@@ -145,7 +145,8 @@ struct PrintProjection {
   }
 };
 
-/// Draws a value of (u,v) over the picture.
+/// Draws a value of (u,v) over the picture, where the surface faces the eye. Its back shows no print, and of a card that is
+/// modelled without thickness it lies where the front of the other side does.
 template <class Value>
 Raster draw_values(const SurfaceSheet& sheet, const ChartTexture& texture, const PrintProjection& projection,
                    int samples, const Value& value) {
@@ -158,7 +159,8 @@ Raster draw_values(const SurfaceSheet& sheet, const ChartTexture& texture, const
   };
   sheet.for_each_triangle([&](std::size_t a, std::size_t b, std::size_t c) {
     const auto& v = projection.corners;
-    if (v[a].inverse_depth > 0 && v[b].inverse_depth > 0 && v[c].inverse_depth > 0)
+    if (v[a].inverse_depth > 0 && v[b].inverse_depth > 0 && v[c].inverse_depth > 0 &&
+        is_clockwise(v[a], v[b], v[c]))
       raster.draw(v[a], v[b], v[c], shade);
   });
   return raster;

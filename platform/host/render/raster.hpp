@@ -18,6 +18,12 @@ struct RasterVertex {
   float light = 0;
 };
 
+/// Whether the corners run clockwise in the picture, as those of SurfaceSheet::for_each_triangle do where its outer side is seen.
+inline bool is_clockwise(const RasterVertex& a, const RasterVertex& b, const RasterVertex& c) {
+  const Vec2 d = b.x - a.x, e = c.x - a.x;
+  return d.x * e.y - d.y * e.x > 0;
+}
+
 /// A grey picture of `width` x `height` pixels with `samples` x `samples` samples each.
 class Raster {
  public:

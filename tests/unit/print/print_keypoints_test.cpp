@@ -1,4 +1,4 @@
-// What `bake` learns of a print: keypoints of all its views.
+// What `bake` learns of a print: keypoints of all its views. And what a picture shows of a surface with two sides.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -22,6 +22,11 @@ namespace {
 Vec3 card(float s, float t) {
   const float y = 200 * (t - 0.5f);
   return s < 0.5f ? Vec3{400 * s - 100, y, 1} : Vec3{300 - 400 * s, y, -1};
+}
+
+Vec3 card_without_thickness(float s, float t) {
+  const Vec3 p = card(s, t);
+  return {p.x, p.y, 0};
 }
 
 /// Squares of all sizes, one over the other: more corners than a table holds.
@@ -81,6 +86,46 @@ TEST_CASE(
       CHECK(std::count_if(first, end,
                           [&](const PrintKeypoint& k) { return k.view == view && k.level == level; }) >= 5);
     }
+}
+
+TEST_CASE("of a card that is modelled without thickness, each view shows the side that faces it alone") {
+  const bake::OpenedTable opened(baked_print(card_without_thickness, squares()));
+  PrintTable table;
+  REQUIRE(PrintTable::open(opened.model().print(), &table) == Status::ok);
+  REQUIRE(table.views().count == 14);
+  int on_other_side = 0;
+  for (const PrintKeypoint& k : table.keypoints()) {
+    const bool shows_front = (rotation_matrix(table.views()[k.view]) * Vec3{0, 0, -1}).z < 0;
+    on_other_side += (k.uv().x < 0.5f) != shows_front ? 1 : 0;
+  }
+  CHECK(table.keypoints().count > 1000);
+  CHECK(on_other_side == 0);
+}
+
+TEST_CASE(
+    "a picture of a card that is modelled without thickness shows the side that faces the camera alone") {
+  constexpr int kSide = 64, kWhite = 255, kBlack = 0;
+  Image halves(kSide, kSide, 1);
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) *halves.at(x, y) = x < kSide / 2 ? kWhite : kBlack;
+  const bake::OpenedTable opened(baked_print(card_without_thickness, halves));
+  Scene scene(opened.model(), kWidth, kHeight);
+  const float q[1] = {};
+  for (const float turn : {0.0f, 0.4f, kPi - 0.4f, kPi}) {
+    CAPTURE(turn);
+    const Image picture =
+        scene.draw(q, {exp_rotation({0, turn, 0}), {0, 0, 900}}, kCamera, Image(kWidth, kHeight, 1));
+    int least = 255, most = 0;
+    for (int y = kHeight / 2 - 30; y <= kHeight / 2 + 30; ++y)
+      for (int x = kWidth / 2 - 25; x <= kWidth / 2 + 25; ++x) {
+        least = std::min<int>(least, *picture.at(x, y));
+        most = std::max<int>(most, *picture.at(x, y));
+      }
+    if (turn < 1)
+      CHECK(least > 100);
+    else
+      CHECK(most < 20);
+  }
 }
 
 TEST_CASE("the extent of a print is that of the whole surface, with the last row of its chart") {
