@@ -154,13 +154,28 @@ class ModeProblem {
           by_curvature;  // each angle's change by unit curvatures along x, along y and of twist
       for (std::size_t k = 0; k < 3; ++k) {
         const int from = t[k], to = t[(k + 1) % 3], own = t[(k + 2) % 3];
-        const std::vector<int>& corners = opposite.at(std::minmax(from, to));
-        if (corners.size() != 2) continue;
-        const int other = corners[0] == own ? corners[1] : corners[0];
-        add_angle({own, other, from, to}, a, x, y, angles, by_curvature);
+        const int other = neighbour(opposite.at(std::minmax(from, to)), own, from, to);
+        if (other >= 0) add_angle({own, other, from, to}, a, x, y, angles, by_curvature);
       }
       if (!angles.empty()) add_bending(angles, by_curvature, area);
     }
+  }
+
+  /// The corner, of those opposite an edge, with which the surface goes on straightest from the corner `own`; -1 if there is none.
+  /// At an edge of more than two triangles leaves meet, as pages at a spine, or both sides of a card without thickness.
+  int neighbour(const std::vector<int>& corners, int own, int from, int to) const {
+    const Vector start = position_[at(from)], along = (position_[at(to)] - start).normalized();
+    const auto away = [&](int corner) {
+      const Vector d = position_[at(corner)] - start;
+      return (d - along.dot(d) * along).normalized();
+    };
+    int best = -1;
+    double least = 2;
+    for (const int corner : corners) {
+      const double cosine = corner == own ? 2 : away(own).dot(away(corner));
+      if (cosine < least) best = corner, least = cosine;
+    }
+    return best;
   }
 
   /// Material law of a plate for values along x, along y and mixed.

@@ -117,6 +117,44 @@ TEST_CASE("a free square plate twists first, then bends to a saddle, and moves a
   }
 }
 
+TEST_CASE("a card with faces on both sides and no thickness bends as one with faces on one side") {
+  const BendingMesh one = plate(12, 8, 90, 60);
+  const BendingModes expected = find_bending_modes(one, 4, 1);
+  BendingMesh same = one, crossed = one;
+  for (std::size_t f = 0; f < one.triangles.size(); f += 2) {
+    const int a = one.triangles[f][0], b = one.triangles[f][1], c = one.triangles[f][2],
+              d = one.triangles[f + 1][2];
+    same.triangles.insert(same.triangles.end(), {{a, c, b}, {a, d, c}});
+    crossed.triangles.insert(crossed.triangles.end(), {{b, a, d}, {b, d, c}});
+  }
+  const BendingModes as_cut = find_bending_modes(same, 4, 1), other_way = find_bending_modes(crossed, 4, 1);
+  for (std::size_t k = 0; k < 4; ++k) {
+    CAPTURE(k);
+    CHECK(as_cut.eigenvalue[k] == doctest::Approx(expected.eigenvalue[k]).epsilon(1e-6));
+    CHECK(other_way.eigenvalue[k] == doctest::Approx(expected.eigenvalue[k]).epsilon(0.3));
+    CHECK(stretch(crossed, other_way.displacement[k]) < 0.02f);
+  }
+}
+
+TEST_CASE("three leaves that meet in one line hold each other there") {
+  constexpr int kColumns = 12, kRows = 6, kMiddle = 6;
+  BendingMesh leaves = plate(kColumns, kRows, 120, 60);
+  const double alone = find_bending_modes(leaves, 1, 1).eigenvalue[0];
+  const auto vertex = [](int i, int j) {  // of the leaf that stands in the middle
+    return i == 0 ? j * (kColumns + 1) + kMiddle : (kColumns + 1) * (kRows + 1) + j * kMiddle + i - 1;
+  };
+  for (int j = 0; j <= kRows; ++j)
+    for (int i = 1; i <= kMiddle; ++i)
+      leaves.position.push_back({60, 10 * static_cast<float>(j), 10 * static_cast<float>(i)});
+  for (int j = 0; j < kRows; ++j)
+    for (int i = 0; i < kMiddle; ++i) {
+      const int a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1), d = vertex(i, j + 1);
+      leaves.triangles.insert(leaves.triangles.end(), {{a, b, c}, {a, c, d}});
+    }
+  leaves.is_fixed.assign(leaves.position.size(), 0);
+  CHECK(find_bending_modes(leaves, 1, 1).eigenvalue[0] > 0.1 * alone);
+}
+
 TEST_CASE("standard deviations come from the stiffness, with the same energy in each mode") {
   const BendingMesh mesh = plate(20, 12, 100, 50);
   const BendingModes soft = find_bending_modes(mesh, 5, 1), stiff = find_bending_modes(mesh, 5, 4);
