@@ -97,14 +97,14 @@ std::vector<std::string> tracking_warnings(const Source& source, const std::vect
   const float off = length((1 / static_cast<float>(std::max<std::size_t>(surface.size(), 1))) * sum);
   const ShownSide side = side_shown(source);
   if (side != ShownSide::front)
-    warnings.push_back(std::string("seen from the front, along z, this surface ") +
-                       (side == ShownSide::back ? "shows its back" : "is edge-on") +
-                       ": a rendered picture without a turn, or a start from a box, sees nothing of it. A "
-                       "start by print or points "
-                       "turns it. Else turn its vertices" +
-                       (side == ShownSide::back
-                            ? "; to reverse the corners of its faces would mirror the print"
-                            : ", so that it faces +z"));
+    warnings.push_back(
+        std::string("seen from the front, along z, this surface ") +
+        (side == ShownSide::back ? "shows its back" : "is edge-on") +
+        ": a rendered picture without a turn, or a start from a box, sees nothing of its front. A "
+        "start by print or points "
+        "turns it. Else turn its vertices" +
+        (side == ShownSide::back ? "; to reverse the corners of its faces would mirror the print"
+                                 : ", so that it faces +z"));
   if (diagonal < kTuning.least_tracked_mm)
     warnings.push_back("the surface is " + millimetres(diagonal) +
                        " across, and nothing is tracked nearer than 50 mm: is it in centimetres "
