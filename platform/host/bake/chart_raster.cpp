@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <map>
+#include <numeric>
 
 #include "host/bake/at.hpp"
 #include "host/bake/edge.hpp"
@@ -102,27 +104,36 @@ class Rasteriser {
   }
 
   /// Extrapolates the surface beyond its boundary: a sample within one sample of it takes the linear extrapolation of the
-  /// nearest boundary triangle. A bilinear cell that the boundary cuts is then as accurate as the others.
+  /// nearest boundary triangle of the part beside it. A bilinear cell that the boundary cuts is then as accurate as the others.
   void extrapolate_surface(const std::vector<char>& is_hole) {
-    std::vector<std::size_t> at_boundary;
-    std::vector<Vec2> centroids;
+    struct Border {
+      std::vector<std::size_t> triangles;
+      std::vector<Vec2> centroids;
+      std::vector<std::pair<int, int>> beside;
+    };
+    const std::vector<int> part = parts(is_hole);
+    const auto part_of = [&](std::size_t f) { return part[at(triangles_[f][0])]; };
+    std::map<int, Border> borders;  // of the parts
     for (const std::size_t f : boundary_triangles(is_hole)) {
       const Corners t = corners(uv_, triangles_[f]);
       if (std::fabs(t.area()) < kLeastArea) continue;
-      at_boundary.push_back(f);
-      centroids.push_back((1.0f / 3) * (t.a + t.b + t.c));
+      borders[part_of(f)].triangles.push_back(f);
+      borders[part_of(f)].centroids.push_back((1.0f / 3) * (t.a + t.b + t.c));
     }
-    if (at_boundary.empty()) return;
-    const NearestPoint nearest(centroids);
-    std::vector<std::pair<int, int>> beside;
     for (int j = 0; j < raster_.height; ++j)
       for (int i = 0; i < raster_.width; ++i)
-        if (raster_.at(i, j).triangle < 0 && touches_covered(i, j)) beside.push_back({i, j});
-    for (const auto& [i, j] : beside) {
-      const Vec2 p = place(i, j);
-      const std::size_t f = at_boundary[nearest.find(p)];
-      raster_.samples[at(j * raster_.width + i)] = {triangles_[f],
-                                                    barycentric(corners(uv_, triangles_[f]), p), kBeside};
+        if (raster_.at(i, j).triangle < 0)
+          if (const std::int32_t f = covered_beside(i, j); f >= 0)
+            borders[part_of(at(f))].beside.push_back({i, j});
+    for (const auto& [_, border] : borders) {
+      if (border.triangles.empty()) continue;
+      const NearestPoint nearest(border.centroids);
+      for (const auto& [i, j] : border.beside) {
+        const Vec2 p = place(i, j);
+        const std::size_t f = border.triangles[nearest.find(p)];
+        raster_.samples[at(j * raster_.width + i)] = {triangles_[f],
+                                                      barycentric(corners(uv_, triangles_[f]), p), kBeside};
+      }
     }
   }
 
@@ -162,11 +173,30 @@ class Rasteriser {
             static_cast<float>(j) / static_cast<float>(raster_.height - 1)};
   }
 
-  bool touches_covered(int i, int j) const {
+  /// The triangle of a covered sample next to this one; -1 if there is none.
+  std::int32_t covered_beside(int i, int j) const {
     for (int l = std::max(j - 1, 0); l <= std::min(j + 1, raster_.height - 1); ++l)
       for (int k = std::max(i - 1, 0); k <= std::min(i + 1, raster_.width - 1); ++k)
-        if (raster_.at(k, l).triangle >= 0) return true;
-    return false;
+        if (raster_.at(k, l).triangle >= 0) return raster_.at(k, l).triangle;
+    return -1;
+  }
+
+  /// The part of the surface, by its first vertex, of each vertex.
+  std::vector<int> parts(const std::vector<char>& is_hole) const {
+    std::vector<int> part(uv_.size());
+    std::iota(part.begin(), part.end(), 0);
+    const auto root = [&part](int v) {
+      while (part[at(v)] != v) v = part[at(v)] = part[at(part[at(v)])];
+      return v;
+    };
+    for (std::size_t f = 0; f < triangles_.size(); ++f)
+      for (const int v : triangles_[f])
+        if (!is_hole[f]) {
+          const auto [first, second] = std::minmax({root(v), root(triangles_[f][0])});
+          part[at(second)] = first;
+        }
+    for (std::size_t v = 0; v < part.size(); ++v) part[v] = root(static_cast<int>(v));
+    return part;
   }
 
   /// Triangles of the surface with an edge on its boundary.

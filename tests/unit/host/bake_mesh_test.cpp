@@ -86,6 +86,27 @@ TEST_CASE("a raster reproduces functions linear over the chart, also outside the
     }
 }
 
+TEST_CASE(
+    "a part with large triangles goes on beyond its boundary as itself, not as a part with small ones near "
+    "by") {
+  Source source = sheet(2, [](Vec2) { return Vec3{1, 0, 0}; });
+  const Source fine = sheet(17, [](Vec2) { return Vec3{0, 100, 0}; });
+  for (Vec2& uv : source.uv) uv = {0.1f + 0.8f * uv.x, 0.1f + 0.4f * uv.y};
+  const auto first = static_cast<int>(source.uv.size());
+  for (std::size_t v = 0; v < fine.uv.size(); ++v) {
+    source.uv.push_back({0.1f + 0.8f * fine.uv[v].x, 0.6f + 0.3f * fine.uv[v].y});
+    source.neutral.push_back(fine.neutral[v]);
+  }
+  for (const auto& t : fine.triangles) source.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  source.is_hole.assign(source.triangles.size(), 0);
+  const ChartRaster raster = rasterise(source.uv, source.triangles, source.is_hole, 41, 41);
+  for (int i = 3; i <= 37; ++i) {
+    CAPTURE(i);
+    CHECK(length(value_at(raster.at(i, 21), source.neutral) - Vec3{1, 0, 0}) < 1e-3f);
+    CHECK(length(value_at(raster.at(i, 23), source.neutral) - Vec3{0, 100, 0}) < 1e-2f);
+  }
+}
+
 TEST_CASE("a triangulation contains its loops, covers the domain once and has no inverted triangle") {
   Random random(7);
   for (int trial = 0; trial < 20; ++trial) {
