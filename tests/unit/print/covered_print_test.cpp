@@ -104,7 +104,7 @@ TEST_CASE(
   struct {
     float turn;
     int cover;
-  } const starts[] = {{-0.4f, 312}, {-0.3f, 312}, {-0.4f, 320}};
+  } const starts[] = {{-0.35f, 312}, {-0.3f, 312}, {-0.35f, 320}};
   std::uint32_t seed = 1;
   for (const auto& start : starts) {
     CAPTURE(start.turn);
