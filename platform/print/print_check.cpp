@@ -177,6 +177,7 @@ FacingAtRest facing_at_rest(const PrintTable& table, Cascade& cascade, const flo
   const Vec3 camera{-t.x, t.y, t.z};
   Vec3 normal[kPrintTuning.blocks];
   FacingAtRest facing;
+  facing.places = static_cast<int>(places.blocks());
   for (std::size_t k = 0; k < places.blocks(); ++k) {
     const SurfaceFrame frame = cascade.surface_frame(places[k], q);
     normal[k] = normalised(cross(frame.pv, frame.pu));

@@ -45,6 +45,7 @@ PrintAgreement compare_print(const FrameView& frame, const Model& model, const P
 struct FacingAtRest {
   int in_view = 0;  ///< this camera
   int most = 0;     ///< one camera, at most: all of a flat sheet, less than half of a can
+  int places = 0;   ///< all
 };
 
 /// Cost: 48 places are sampled, and 2,304 products. 0.6 kB of stack.

@@ -266,10 +266,11 @@ bool PrintFinder::conclude(const PrintPicture& now, bool is_quick, FoundPrint* f
     failed_searches_ = (failed_searches_ + 1) % kPrintTuning.spread_interval;
     return false;
   }
-  *found = {now_->best.view, now_->best.agreement, is_unique, 0};
+  *found = {now_->best.view, now_->best.agreement, is_unique, 0, false};
   if (waits(*found, is_quick)) return false;
   copy(best_q_.data, best_q_.count, fit_->q().data);
   found->expected = fit_->expected_places(pose_of(found->view));
+  found->shows_all = fit_->shows_all();
   return true;
 }
 

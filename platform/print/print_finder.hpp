@@ -21,6 +21,8 @@ struct FoundPrint {
   /// How many places of the first round come to sight in a track that is right, unless something is in front of them or they are
   /// outside the frame.
   int expected = 0;
+  /// Whether it is rigid and flat, so that a wrong pose hides no part of it.
+  bool shows_all = false;
 };
 
 /// The search, frame by frame. Lives in the memory of the tracking, while there is no track.

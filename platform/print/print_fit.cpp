@@ -30,6 +30,8 @@ struct PrintFitTuning {
   /// half was folded away it was 0.5 to 19, and the pose off by up to 110 degrees; of right starts of the same films it was 0.01 to
   /// 0.24 (docs/experiments.md, Start by print).
   float at_rest = 0.3f;
+  /// Fraction of the places of a surface that can face one camera, from which on it counts as flat. Round value, not tuned.
+  float flat = 0.95f;
 };
 constexpr PrintFitTuning kTuning;
 
@@ -172,6 +174,13 @@ float PrintFit::bent() const {
 int PrintFit::expected_places(const Pose& pose) {
   const FacingAtRest facing = facing_at_rest(table_, fitter_.cascade(), rest_.data, pose);
   return bent() <= kTuning.at_rest ? facing.in_view : facing.most;
+}
+
+bool PrintFit::shows_all() {
+  for (const Parameter& parameter : model_.parameters())
+    if (parameter.group == Group::expression) return false;
+  const FacingAtRest facing = facing_at_rest(table_, fitter_.cascade(), rest_.data, {});
+  return static_cast<float>(facing.most) >= kTuning.flat * static_cast<float>(facing.places);
 }
 
 }  // namespace pliant

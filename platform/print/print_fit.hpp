@@ -78,6 +78,8 @@ class PrintFit {
   /// Places of the first round that the camera sees where the shape is that at rest. Where the present one, which may fold a part
   /// away, is another, its pose may be wrong as well: then those that can face one camera.
   int expected_places(const Pose& pose);
+  /// Whether the surface is rigid, and nearly all of it can face one camera.
+  bool shows_all();
 
  private:
   bool fit_to(Span<const Correspondence> points, const PrintPicture& in, bool bends, View* view);

@@ -59,12 +59,12 @@ Image marks() {
   return print;
 }
 
-std::vector<std::uint8_t> marked(const obj_folder::Shape& shape) {
+std::vector<std::uint8_t> marked(const obj_folder::Shape& shape, int modes = kModes) {
   const obj_folder::ObjFolder folder("marked");
   folder.write("neutral", shape);
   bake::BakeOptions options;
   options.source = folder.path.string();
-  options.modes = kModes;
+  options.modes = modes;
   options.texture = folder.put("print.png", encode_png(marks()));
   std::vector<std::uint8_t> bytes;
   std::string error;
@@ -128,6 +128,36 @@ TEST_CASE(
     CHECK(wrong == 0);
     CHECK(right > 10);
   }
+}
+
+Vec3 square(float s, float t) {
+  return {210 * (s - 0.5f), 210 * (t - 0.5f), 0};
+}
+
+TEST_CASE(
+    "a card of which a third is covered is tracked all the same: rigid and flat, it cannot hide that part") {
+  const std::vector<std::uint8_t> bytes = marked(square, 0);
+  const bake::OpenedTable opened(bytes);
+  Scene scene(opened.model(), kWide, kHigh);
+  InArena<Cascade> cascade(opened.model());
+  TrackerLimits limits = searching_at_once(profile_l());
+  limits.width = kWide, limits.height = kHigh;
+  Film film(opened.model(), limits);
+  const Image background = make_background(kWide, kHigh, 3);
+  int tracking = 0;
+  for (std::uint32_t frame = 0; frame < 30; ++frame) {
+    const float more = 0.006f * static_cast<float>(frame);
+    const Pose pose = posed(0.2f + more, 0.3f + more, 0.13f, 0.75f);
+    Image image = scene.draw(nullptr, pose, kFilmCamera, background);
+    for (int y = 0; y < kHigh; ++y)
+      for (int x = 390; x < kWide; ++x) *image.at(x, y) = 128;
+    add_noise(image, 2, frame);
+    REQUIRE(film.show(image) == Status::ok);
+    if (!film.tracker->is_started()) continue;
+    tracking += film.result.state == TrackState::tracking;
+    CHECK(error_of(film, cascade.object, pose, nullptr) < 0.02f);
+  }
+  CHECK(tracking >= 26);
 }
 
 TEST_CASE("all places of a sheet can face one camera at rest, less than half of those of a can") {
