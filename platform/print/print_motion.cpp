@@ -37,49 +37,71 @@ void take_window(const ImageView& image, int x, int y, int half, int row, float*
   }
 }
 
-/// What is seen at a pixel, to be found elsewhere. \return whether there is texture.
-bool take_expected(const ImageView& image, int x, int y, ExpectedBlock* expected) {
+Vec2 whole(int x, int y) {
+  return {static_cast<float>(x), static_cast<float>(y)};
+}
+
+/// Correlations of what is expected with a window that is wider by `reach` pixels to each side.
+template <int kMost>
+struct Scores {
+  static constexpr int kWide = 2 * (kHalf + kMost) + 1, kSteps = 2 * kMost + 1;
+  float window[kWide * kWide + 1];
+  const ExpectedBlock& expected;
+
+  Scores(const ImageView& image, int x, int y, const ExpectedBlock& e) : expected(e) {
+    window[kWide * kWide] = 0;
+    take_window(image, x, y, kHalf + kMost, kWide, window);
+  }
+  float at(int i, int j) const { return correlate(window + j * kWide + i, kWide, expected); }
+  /// Offset of the peak from (i, j), at which the correlation is `best`.
+  Vec2 peak(int i, int j, float best) const {
+    return {parabola_peak(at(i - 1, j), best, at(i + 1, j)), parabola_peak(at(i, j - 1), best, at(i, j + 1))};
+  }
+};
+
+/// What is seen at a pixel, to be found elsewhere.
+struct Look {
+  ExpectedBlock block;
+  Vec2 peak;  // where it is found in its own picture, from the pixel: neighbours are not equally like it
+};
+
+/// \return whether there is texture.
+[[gnu::noinline]] bool take_look(const ImageView& image, int x, int y, Look* look) {
   constexpr int kRow = ExpectedBlock::kRow;
-  *expected = {};
-  take_window(image, x, y, kHalf, kRow, expected->samples);
+  ExpectedBlock& block = look->block;
+  block = {};
+  take_window(image, x, y, kHalf, kRow, block.samples);
   float sum = 0, squares = 0;
-  for (const float s : expected->samples) sum += s;
+  for (const float s : block.samples) sum += s;
   for (int j = 0; j < kBlockSide; ++j)
     for (int i = 0; i < kBlockSide; ++i) {
-      float& s = expected->samples[j * kRow + i];
+      float& s = block.samples[j * kRow + i];
       s -= sum / kBlockSamples;
       squares += s * s;
     }
-  expected->variance = squares / kBlockSamples;
-  return expected->variance >= kBlockTuning.least_sd * kBlockTuning.least_sd;
+  block.variance = squares / kBlockSamples;
+  if (!(block.variance >= kBlockTuning.least_sd * kBlockTuning.least_sd)) return false;
+  const Scores<1> own(image, x, y, block);
+  look->peak = own.peak(1, 1, own.at(1, 1));
+  return true;
 }
 
-/// Where what is expected is seen best near (x, y). \return false where nothing looks like it, and at the rim of the search.
-bool find_near(const ImageView& image, int x, int y, const ExpectedBlock& expected, Vec2* found) {
-  constexpr int kWide = 2 * (kHalf + kReach) + 1, kSteps = 2 * kReach + 1;
-  float window[kWide * kWide + 1];
-  window[kWide * kWide] = 0;
-  take_window(image, x, y, kHalf + kReach, kWide, window);
-  const auto score = [&](int i, int j) { return correlate(window + j * kWide + i, kWide, expected); };
+/// Where a look is seen best near (x, y). \return false where nothing looks like it, and at the rim of the search.
+[[gnu::noinline]] bool find_near(const ImageView& image, int x, int y, const Look& look, Vec2* found) {
+  const Scores<kReach> scores(image, x, y, look.block);
+  constexpr int kSteps = Scores<kReach>::kSteps;
   float best = 0;
   int best_i = 0, best_j = 0;
   for (int j = 0; j < kSteps; ++j)
     for (int i = 0; i < kSteps; ++i) {
-      const float s = score(i, j);
+      const float s = scores.at(i, j);
       if (s > best) best = s, best_i = i, best_j = j;
     }
   if (best < kBlockTuning.least_correlation || best_i == 0 || best_j == 0 || best_i == kSteps - 1 ||
       best_j == kSteps - 1)
     return false;
-  *found = {static_cast<float>(x + best_i - kReach) +
-                parabola_peak(score(best_i - 1, best_j), best, score(best_i + 1, best_j)),
-            static_cast<float>(y + best_j - kReach) +
-                parabola_peak(score(best_i, best_j - 1), best, score(best_i, best_j + 1))};
+  *found = whole(x + best_i - kReach, y + best_j - kReach) + scores.peak(best_i, best_j, best) - look.peak;
   return true;
-}
-
-Vec2 whole(int x, int y) {
-  return {static_cast<float>(x), static_cast<float>(y)};
 }
 
 }  // namespace
@@ -124,10 +146,10 @@ void SceneMotion::follow(const FrameView& frame) {
     if (!patch.is_followed) continue;
     const int x = nearest(patch.moved.x, grid_.width), y = nearest(patch.moved.y, grid_.height);
     const Vec2 expected = whole(x, y) + patch.step;
-    ExpectedBlock look;
+    Look look;
     Vec2 found;
     patch.is_followed =
-        take_expected(before, x, y, &look) &&
+        take_look(before, x, y, &look) &&
         find_near(now, nearest(expected.x, grid_.width), nearest(expected.y, grid_.height), look, &found);
     if (!patch.is_followed) continue;
     patch.step = found - whole(x, y);
@@ -187,12 +209,12 @@ std::size_t match_pictures(const SmallPictures& pictures, const PrintTable& tabl
   std::size_t facing = 0, count = 0;
   for (std::size_t k = 0; k < places.count() && facing < places.blocks(); ++k) {
     Block block;
-    ExpectedBlock look;
+    Look look;
     Vec2 to, found;
     if (!find_block(before, places[k], &block)) continue;
     ++facing;
     const int x = nearest(part * block.x.x, first.width), y = nearest(part * block.x.y, first.height);
-    if (!expected(block.uv, &to) || !take_expected(first, x, y, &look) ||
+    if (!expected(block.uv, &to) || !take_look(first, x, y, &look) ||
         !find_near(now, nearest(part * to.x, now.width), nearest(part * to.y, now.height), look, &found))
       continue;
     points[count++] = {block.uv, block.x + pictures.scale * (found - whole(x, y)),

@@ -52,6 +52,12 @@ find src platform -name '*.?pp' -exec awk '
   /^}/ { if (start && $0 == "}" && FNR - start + 1 > 60) print FILENAME ":" start ":"; start = 0 }' {} + |
   fault "a function of more than 60 lines"
 
+# --- Every unit test is built: named in tests/CMakeLists.txt, without its ending.
+for file in tests/unit/*/*_test.cpp; do
+  name=$(basename "$file" _test.cpp)
+  grep -qE "(^|[ /])$name([ )]|\$)" tests/CMakeLists.txt || echo "$file:"
+done | fault "a test that is not built"
+
 # --- Friends.
 grep -rnE '^ *friend ' include src platform | fault "a friend"
 

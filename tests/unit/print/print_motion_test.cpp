@@ -3,10 +3,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "print_film.hpp"
-#include "vision/bilinear.hpp"
+#include "random.hpp"
 
 namespace print_motion_test {
 
@@ -132,6 +133,13 @@ TEST_CASE("places of a sheet are found in small pictures, around where they are 
     }
   };
   Scene scene;
+  Random random(4);
+  Image& grains = scene.picture;  // of 4 x 4 pixels
+  for (int y = 0; y < grains.height; ++y)
+    for (int x = 0; x < grains.width; ++x)
+      *grains.at(x, y) = x % 4 > 0   ? *grains.at(x - 1, y)
+                         : y % 4 > 0 ? *grains.at(x, y - 1)
+                                     : static_cast<std::uint8_t>(random.below(256));
   const Image first = seen(scene.picture, {}), second = seen(scene.picture, {0, {9, -6}});
   Flat before{}, expected{{7, -5}}, far{{40, 30}};
   const SmallPictures shown{
@@ -145,7 +153,9 @@ TEST_CASE("places of a sheet are found in small pictures, around where they are 
     Flat::project(&before, points[k].uv, &x);
     CHECK(length(points[k].x - x - Vec2{9, -6}) < 0.5f);
   }
-  CHECK(match_pictures(shown, table, {&before, Flat::project}, {&far, Flat::project}, {points, 48}) <= 2);
+  // Elsewhere grains look alike by chance.
+  CHECK(4 * match_pictures(shown, table, {&before, Flat::project}, {&far, Flat::project}, {points, 48}) <
+        count);
   CHECK(match_pictures(shown, table, {&before, Flat::project}, {&expected, Flat::project}, {points, 0}) == 0);
 }
 
