@@ -19,11 +19,11 @@ extern const Detection kUprightFaceDetection;
 /// turned by an odd number of eighths of a turn must be 1.4 times as large as an upright one. A search takes width x height bytes
 /// more, which are the track's afterwards: of 320 x 240 no profile's block grows. 36 kB of code on a Cortex-M7.
 extern const Detection kFaceDetection;
-/// The search for a printed surface and its verification, from the keypoints of its albedo. 30 kB of code on a Cortex-M7.
+/// The search for a printed surface and its verification, from the keypoints of its albedo. 35 kB of code on a Cortex-M7.
 extern const Detection kPrintDetection;
-/// Whichever the model has tables for: upright faces, or a print. 63 kB of code on a Cortex-M7.
+/// Whichever the model has tables for: upright faces, or a print. 71 kB of code on a Cortex-M7.
 extern const Detection kUprightDetection;
-/// The same with faces at any roll. 65 kB.
+/// The same with faces at any roll. 73 kB.
 extern const Detection kDetection;
 
 struct PersonRefinement;
