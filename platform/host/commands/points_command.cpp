@@ -11,6 +11,7 @@
 #include "host/commands/frame_stream.hpp"
 #include "host/commands/image_fit.hpp"
 #include "host/commands/points_surface.hpp"
+#include "host/io/bounding_box.hpp"
 #include "host/io/calibration.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
@@ -117,13 +118,16 @@ bool has_few_landmarks(const Model& model) {
   return model.landmarks().count < kLeastFitPoints;
 }
 
-/// The landmarks; of a model that has few, also the vertices nearest to the corners, sides and middle of the chart. Given points
-/// with a (u,v) of their own are there as well, under their names.
+/// The landmarks; of a model that has few, also the vertices nearest to the corners, sides and middle of the part of the chart that
+/// the surface takes. Given points with a (u,v) of their own are there as well, under their names.
 std::vector<Handle> handles_of(const Model& model, const std::vector<NamedPoint>& given) {
   std::vector<Handle> handles;
   for (const Landmark& l : model.landmarks()) handles.push_back({l.name, l.uv()});
+  const BoundingBox<Vec2> taken({model.base_uv().begin(), model.base_uv().end()});
   for (int k = 0; has_few_landmarks(model) && k < 9; ++k) {
-    const Vec2 wanted{0.5f * static_cast<float>(k % 3), 0.5f * static_cast<float>(k / 3)};
+    const Vec2 half = 0.5f * taken.size();
+    const Vec2 wanted =
+        taken.low + Vec2{half.x * static_cast<float>(k % 3), half.y * static_cast<float>(k / 3)};
     Vec2 uv = model.base_uv()[0];
     for (const Vec2 other : model.base_uv())
       if (length(other - wanted) < length(uv - wanted)) uv = other;

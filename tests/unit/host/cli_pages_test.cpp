@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <map>
 #include <sstream>
 
@@ -223,6 +224,34 @@ TEST_CASE("given points of the chart are on the page under their own names") {
   int wanted = 0;
   for (const Json& p : data.at("points")) wanted += p.at("wanted").get<bool>();
   CHECK(wanted == 4);
+}
+
+TEST_CASE("handles are at corners, sides and middle of a surface that takes a part of its chart") {
+  const Folder f;
+  const std::string picture = f.put("g.pgm", grey_pgm(320, 240)), table = f / "m.plm";
+  std::istringstream lines(read_file(PLIANT_FIXTURES "/sheet/sheet.obj"));
+  std::string obj, line;
+  while (std::getline(lines, line)) {
+    float u = 0, v = 0;
+    if (std::sscanf(line.c_str(), "vt %f %f", &u, &v) == 2)
+      line = "vt " + std::to_string(0.6f + 0.3f * u) + " " + std::to_string(0.1f + 0.4f * v);
+    obj += line + "\n";
+  }
+  const std::string source = f.put("page.obj", obj);
+  REQUIRE(run_words({"bake", source, "-o", table, "--size", "64", "--texture", "none"}).code == 0);
+  REQUIRE(run_words({"points", table, "--image", picture, "-o", f / "p.html"}).code == 0);
+  const Json data = data_of(read_file(f / "p.html"));
+  CHECK(data.at("points").size() == 9);
+  for (const float across : {0.0f, 0.5f, 1.0f})
+    for (const float down : {0.0f, 0.5f, 1.0f}) {
+      const Vec2 wanted{0.6f + 0.3f * across, 0.5f + 0.4f * down};
+      float least = 1;
+      for (const Json& p : data.at("points"))
+        least = std::min(least, length(Vec2{p.at("u").get<float>(), p.at("v").get<float>()} - wanted));
+      CAPTURE(across);
+      CAPTURE(down);
+      CHECK(least < 0.03f);
+    }
 }
 
 TEST_CASE("points take the first frame of a video") {
