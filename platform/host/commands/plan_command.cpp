@@ -170,6 +170,11 @@ int run_plan(const Args& args, Console& console) {
   if (!are_usable(model, limits))
     fail_usage("--vertices: at least the " + std::to_string(model.base_uv().count) +
                " of the model's base mesh");
+  std::vector<std::uint8_t> is_free;
+  for (const Parameter& p : model.parameters()) is_free.push_back(p.group == Group::expression);
+  const bool chooses = !has_model || args.has("--parameters");
+  const std::string lack = chooses ? "" : lack_of(model, limits, is_free);
+  if (!lack.empty()) console.err << args.operand(0) << ": " << lack << "\n";
   const Plan plan = make_plan(model, limits);
   char line[200];
   std::snprintf(line, sizeof line, "%d x %d pixels, %d patches, %d vertices, %zu parameters of %zu%s\n\n",

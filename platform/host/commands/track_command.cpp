@@ -187,6 +187,8 @@ int run_track(const Args& args, Console& console) {
   const Model& model = file.model();
   const auto is_free = free_parameters(args, model);
   options.is_free = is_free.data();
+  const std::string lack = lack_of(model, tracker_limits(args, std::nullopt), is_free);
+  if (!lack.empty()) fail_input(file.path(), lack);
   FrameStream frames(args.required("--frames"), args.has("--mirror"));
   const InitialOptions initial_how = initial_options(args, frames.size(), console.err);
   const std::optional<Initial> initial = initial_of(args, file, frames, initial_how, console.err);

@@ -4,6 +4,8 @@
 #include <limits>
 
 #include "host/io/failure.hpp"
+#include "host/io/owned.hpp"
+#include "pliant/cascade.hpp"
 
 namespace pliant::host {
 
@@ -44,6 +46,22 @@ TrackerLimits tracker_limits(const Args& args, const std::optional<ImageSize>& s
 TrackerLimits with_base_mesh(TrackerLimits limits, const Model& model) {
   limits.vertices = std::max(limits.vertices, static_cast<std::uint16_t>(model.base_uv().count));
   return limits;
+}
+
+std::string lack_of(const Model& model, const TrackerLimits& limits,
+                    const std::vector<std::uint8_t>& is_free) {
+  const auto told = [](std::size_t needed, const char* what, std::size_t room) {
+    return "the model has " + std::to_string(needed) + what + ", and the profile memory for " +
+           std::to_string(room) + ": take another profile, or bake a smaller model";
+  };
+  Owned<Cascade> cascade(model);
+  if (!is_free.empty()) cascade->set_free(is_free.data());
+  const std::size_t free = cascade->column_count(), samples = cascade->samples_per_point();
+  if (limits.free_parameters > 0 && free > limits.free_parameters)
+    return told(free, " free parameters", limits.free_parameters);
+  if (limits.samples_per_point > 0 && samples > limits.samples_per_point)
+    return told(samples, " shapes, corrective ones included", limits.samples_per_point);
+  return {};
 }
 
 }  // namespace pliant::host

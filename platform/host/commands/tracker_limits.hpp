@@ -2,6 +2,8 @@
 /// \file tracker_limits.hpp
 /// The TrackerLimits that `pliant track` and `pliant bench faults` run with and `pliant plan` describes: those of a profile.
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "host/commands/args.hpp"
 #include "pliant/model.hpp"
@@ -23,5 +25,10 @@ std::uint32_t whole_search(const Model& model, const TrackerLimits& limits);
 TrackerLimits tracker_limits(const Args& args, const std::optional<ImageSize>& size);
 /// The same limits with as many vertices as the model's base mesh has, at least: without, no tracker can be made.
 TrackerLimits with_base_mesh(TrackerLimits limits, const Model& model);
+
+/// What the limits lack for a track of the model, in words; empty if nothing.
+/// \param is_free  one flag a parameter: those that every frame estimates.
+std::string lack_of(const Model& model, const TrackerLimits& limits,
+                    const std::vector<std::uint8_t>& is_free);
 
 }  // namespace pliant::host

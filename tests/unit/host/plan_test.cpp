@@ -99,6 +99,32 @@ TEST_CASE("the printed plan has the arena size that a run reports, and its parts
   CHECK(contains(too_few.err, "base mesh"));
 }
 
+TEST_CASE(
+    "a model that is too large for a profile is refused before its film is read, and its plan says so") {
+  const Folder f;
+  for (const char* modes : {"6", "12"}) {
+    CAPTURE(modes);
+    const std::string model = f / "sheet.plm";
+    REQUIRE(
+        run_words({"bake", PLIANT_FIXTURES "/sheet", "--modes", modes, "--size", "64", "-o", model}).code ==
+        0);
+    const auto is_refused = [&](const char* profile) {
+      const Ran r =
+          run_words({"track", model, "--frames", f / "none.y4m", "--out", f / "t.csv", "--profile", profile});
+      CHECK(r.code == 1);
+      CHECK(contains(r.err, "none.y4m") != contains(r.err, model + ": the model has "));
+      return contains(r.err, "corrective ones included, and the profile memory for 44");
+    };
+    const bool is_large = modes[0] == '1';
+    CHECK(is_refused("s") == is_large);
+    CHECK_FALSE(is_refused("m"));
+    const Ran plan = run_words({"plan", model, "--profile", "s"});
+    CHECK(plan.code == 0);
+    CHECK(contains(plan.err, "corrective ones included, and the profile memory for 44") == is_large);
+    CHECK(run_words({"plan", model, "--profile", "m"}).err.empty());
+  }
+}
+
 TEST_CASE("a larger limit needs more bytes, and without a model one record a parameter is assumed") {
   const auto arena = [](std::vector<std::string> more) {
     std::vector<std::string> words = {"plan"};
