@@ -36,6 +36,25 @@ bytes=$(pliant plan sheet.plm --profile s | awk '$1 == "arena" { print $2 }' | s
 grep -q "profile S takes $bytes bytes" "$source/docs/porting.md" || {
   echo "docs/porting.md does not say that profile S takes $bytes bytes"; exit 1; }
 
+# What the page states of searches.
+page=$source/docs/your-own-surface.md
+states() {
+  grep -qF "$1" "$page" || { echo "docs/your-own-surface.md does not say: $1"; exit 1; }
+}
+frames_of_search() { pliant plan sheet.plm --profile "$1" | awk '/frames of a search, at most/ { print $NF }'; }
+states "at most $(frames_of_search m) with profiles M and L, and $(frames_of_search s) with profile S"
+[ "$(frames_of_search m)" = "$(frames_of_search l)" ] || { echo "profiles M and L differ"; exit 1; }
+seconds() {
+  pliant plan sheet.plm --profile s --mhz 480 | awk -v what="$1" 'index($0, what) == 3 {
+    printf "usually %.1f s and at most %.1f s", $(NF - 1) / 1000, $NF / 1000 }'
+}
+states "takes $(seconds 'a frame without '), and the frame of the start $(seconds 'a frame that starts a track ')"
+first_tracked() {
+  pliant track sheet.plm --frames film.y4m --profile "$1" --count 40 --out first.csv > first.txt
+  awk -F, '$3 == "tracking" { print $1; exit }' first.csv
+}
+states "frame $(first_tracked m) with profiles M and L, and frame $(first_tracked s) with profile S;"
+
 # The start by hand. The truth of frame 0 as a fit, whose handles are on the page; all nine are placed there, to the pixel.
 block 2 > commands
 [ "$(wc -l < commands)" -eq 2 ] || { echo "the start by hand does not have two commands"; exit 1; }
