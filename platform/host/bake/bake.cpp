@@ -115,11 +115,25 @@ LearntTables learnt_tables(const BakeOptions& options, const Source& source) {
   return learnt;
 }
 
+/// Refuses to choose from parameters that the source has none of.
+void check_choice(const Source& source, const BakeOptions& options) {
+  const auto has = [&](Group group) {
+    const auto& p = source.parameters;
+    return std::any_of(p.begin(), p.end(), [group](const auto& q) { return q.group == group; });
+  };
+  const ParameterChoice& choice = options.choice;
+  if (choice.identities > 0 && !has(Group::identity))
+    throw SourceError("--identities", 0, options.source + " has no identities");
+  if ((choice.expressions > 0 || !choice.named.empty()) && !has(Group::expression))
+    throw SourceError("--expressions", 0, options.source + " has no expressions");
+}
+
 }  // namespace
 
 Source read_source(const BakeOptions& options) {
   check(options);
   Source source = read_all(options);
+  check_choice(source, options);
   choose_parameters(source, options.choice);
   source.springs = springs_of(source, options);
   source.learnt = learnt_tables(options, source);

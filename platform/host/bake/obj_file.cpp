@@ -71,8 +71,10 @@ class ObjReader {
     return result;
   }
 
-  float number() {
+  /// The next number of the line, which `what` has under this name.
+  float number(const char* name, const char* what) {
     const std::string_view text = word();
+    if (text.empty() || text[0] == '#') fail(std::string(what) + " lacks " + name);
     const std::optional<float> value = parse_float(text);
     if (!value) fail("'" + std::string(text) + "' is not a number");
     return *value;
@@ -92,12 +94,14 @@ class ObjReader {
   void read_line() {
     const std::string_view key = word();
     if (key == "v") {
-      const float x = number(), y = number(), z = number();
+      constexpr const char* kWhat = "the vertex, which has three numbers x y z,";
+      const float x = number("x", kWhat), y = number("y", kWhat), z = number("z", kWhat);
       mesh_.vertices.push_back({x, y, z});
     } else if (key == "vt") {
-      const float u = number();
+      constexpr const char* kWhat = "the texture coordinate, which has two numbers u v,";
+      const float u = number("u", kWhat);
       const bool has_v = rest_.find_first_not_of(" \t") < rest_.find('#');
-      mesh_.texture.push_back({u, has_v ? number() : 0});
+      mesh_.texture.push_back({u, has_v ? number("v", kWhat) : 0});
     } else if (key == "f") {
       read_polygon();
     } else if (key == "usemtl") {

@@ -200,17 +200,27 @@ std::optional<ImageSize> Args::size(const char* name) const {
   return ImageSize{side(value->substr(0, x)), side(x == std::string::npos ? "" : value->substr(x + 1))};
 }
 
+std::vector<std::string> Args::list(const char* name) const {
+  const auto value = text(name);
+  if (!value) return {};
+  const std::vector<std::string> words = split_at_commas(*value);
+  for (auto word = words.begin(); word != words.end(); ++word) {
+    if (word->empty()) fail_usage(std::string(name) + ": a name of the list is empty: '" + *value + "'");
+    if (std::find(words.begin(), word, *word) != word)
+      fail_usage(std::string(name) + ": the list has " + *word + " twice: " + *value);
+  }
+  return words;
+}
+
 std::optional<std::vector<float>> Args::numbers(const char* name, std::size_t count) const {
   const auto value = text(name);
   if (!value) return std::nullopt;
   std::vector<float> parsed;
-  for (std::size_t start = 0; start <= value->size();) {
-    const std::size_t comma = std::min(value->find(',', start), value->size());
-    const auto number = parse_number(value->substr(start, comma - start));
+  for (const std::string& word : split_at_commas(*value)) {
+    const auto number = parse_number(word);
     if (!number || !std::isfinite(static_cast<float>(*number)))
       fail_usage(std::string(name) + ": not numbers separated by commas: " + *value);
     parsed.push_back(static_cast<float>(*number));
-    start = comma + 1;
   }
   if (parsed.size() != count)
     fail_usage(std::string(name) + " needs " + std::to_string(count) + " numbers: " + *value);

@@ -55,6 +55,8 @@ class Args {
   int integer(const char* name, int otherwise, int low, int high) const;
   /// "WxH", 16 to 16384 pixels a side.
   std::optional<ImageSize> size(const char* name) const;
+  /// The words of a list that commas separate, of which none is empty or there twice; nothing without the option.
+  std::vector<std::string> list(const char* name) const;
   /// Exactly `count` finite numbers, separated by commas.
   std::optional<std::vector<float>> numbers(const char* name, std::size_t count) const;
 

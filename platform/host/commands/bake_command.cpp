@@ -10,7 +10,6 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
-#include "host/io/words.hpp"
 #include "model/table_reader.hpp"
 
 namespace pliant::host {
@@ -25,16 +24,16 @@ bake::ParameterChoice choice_of(const Args& args) {
   if (parse_number(*expressions))
     choice.expressions = args.integer("--expressions", 0, 0, int{table::kMaxParameters});
   else
-    choice.named = split_at_commas(*expressions);
+    choice.named = args.list("--expressions");
   return choice;
 }
 
-std::vector<int> sizes_of(const std::string& list) {
+std::vector<int> sizes_of(const Args& args) {
   std::vector<int> sizes;
-  for (const std::string& word : split_at_commas(list)) {
+  for (const std::string& word : args.list("--sizes")) {
     const auto number = parse_number(word);
     if (!number || *number < 16 || *number > 512 || *number != static_cast<int>(*number))
-      fail_usage("--sizes must be whole numbers from 16 to 512, separated by commas, not '" + list + "'");
+      fail_usage("--sizes must be whole numbers from 16 to 512, separated by commas, not '" + word + "'");
     sizes.push_back(static_cast<int>(*number));
   }
   return sizes;
@@ -99,9 +98,9 @@ int run_bake(const Args& args, Console& console) {
   options.progress = [&](const char* stage, std::size_t done, std::size_t of) {
     progress.show(stage, done, of);
   };
-  if (const auto sizes = args.text("--sizes")) {
+  if (args.has("--sizes")) {
     const int flash_kib = args.integer("--flash", 512, 1, 1 << 20);
-    print_sizes(options, sizes_of(*sizes), std::size_t{1024} * static_cast<std::size_t>(flash_kib), console);
+    print_sizes(options, sizes_of(args), std::size_t{1024} * static_cast<std::size_t>(flash_kib), console);
     return 0;
   }
   const std::string output = args.required("-o");

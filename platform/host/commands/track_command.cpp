@@ -1,7 +1,6 @@
 // `pliant track`: tracks a model through a video.
 #include <algorithm>
 #include <optional>
-#include <sstream>
 
 #include "host/commands/calibration_option.hpp"
 #include "host/commands/command.hpp"
@@ -75,16 +74,13 @@ Markers read_markers(const Args& args, const Model& model, ImageSize size) {
 
 /// The cues that --cues names, as bits of EstimatorOptions::cues; without the option all of them.
 std::uint8_t cues_of(const Args& args) {
-  const auto text = args.text("--cues");
-  if (!text) return EstimatorOptions{}.cues;
+  if (!args.has("--cues")) return EstimatorOptions{}.cues;
   std::uint8_t bits = 0;
-  std::istringstream names(*text);
-  for (std::string name; std::getline(names, name, ',');) {
+  for (const std::string& name : args.list("--cues")) {
     const Cue cue = name == "flow" ? Cue::flow : name == "edge" ? Cue::edge : Cue::patch;
     if (name != "patch" && cue == Cue::patch) fail_usage("--cues: patch, flow, edge, not " + name);
     bits = static_cast<std::uint8_t>(bits | 1u << static_cast<unsigned>(cue));
   }
-  if (bits == 0) fail_usage("--cues: patch, flow, edge, not nothing");
   const auto has = [bits](Cue cue) { return (bits >> static_cast<unsigned>(cue) & 1u) != 0; };
   if (has(Cue::flow) && !has(Cue::patch)) fail_usage("--cues: flow needs patch, whose fallback it is");
   return bits;
@@ -154,6 +150,16 @@ void check_profile(const Args& args, const TrackerOptions& options) {
     fail_usage("--cues: " + profile + " has no cue " + (lacks_edges ? "edge" : "flow"));
 }
 
+/// Edges that --cues asks for, of a model without curves.
+void warn_of_edges(const Args& args, const TrackerOptions& options, const Model& model, std::ostream& err) {
+  const auto is_matched = [](const Curve& c) { return c.kind != CurveKind::boundary; };
+  const bool has_curves = std::any_of(model.curves().begin(), model.curves().end(), is_matched);
+  if (args.has("--cues") && options.estimator.uses(Cue::edge) && !has_curves)
+    err << "--cues: " << args.operand(0)
+        << " has no curves: its only edge is its silhouette, which a flat surface lacks"
+        << (options.estimator.uses(Cue::patch) ? "" : "; patch finds its texture") << "\n";
+}
+
 /// Bad input: there is no frame, or it is too small or too large for a track.
 FrameView first_frame(const Args& args, FrameStream& frames) {
   FrameView frame;
@@ -189,6 +195,7 @@ int run_track(const Args& args, Console& console) {
   options.is_free = is_free.data();
   const std::string lack = lack_of(model, tracker_limits(args, std::nullopt), is_free);
   if (!lack.empty()) fail_input(file.path(), lack);
+  warn_of_edges(args, options, model, console.err);
   FrameStream frames(args.required("--frames"), args.has("--mirror"));
   const InitialOptions initial_how = initial_options(args, frames.size(), console.err);
   const std::optional<Initial> initial = initial_of(args, file, frames, initial_how, console.err);

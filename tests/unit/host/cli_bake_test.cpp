@@ -91,7 +91,7 @@ TEST_CASE(
   CHECK(contains(r.out, "its expressions: flap jawOpen\n"));
   CHECK(contains(run_words({"bake", folder.folder, "--base-mesh", "60", "--sizes", "16", "--flash", "1"}).out,
                  "no small profile fits 1024 bytes"));
-  for (const char* bad : {"8", "16,", "x", "16,1000", "16.5", ""})
+  for (const char* bad : {"8", "16,", "x", "16,1000", "16.5", "16,16", ",16", ""})
     CHECK(run_words({"bake", folder.folder, "--sizes", bad}).code == 2);
   check_refused({"bake", folder / "none", "--sizes", "16"}, {"none"});
 }

@@ -343,57 +343,6 @@ TEST_CASE("a picture of another size in a folder stops the track there, in one l
   CHECK(CsvTable("t", read_file(s / "t.csv")).row_count() == 3);
 }
 
-TEST_CASE("options of a track that contradict each other, or have nothing to act on, are refused") {
-  const Folder folder;
-  const auto refused = [&](std::vector<std::string> more) {
-    std::vector<std::string> words{"track", PLIANT_BAKED_FACE, "--frames", folder / "none.y4m",
-                                   "--out", folder / "t.csv"};
-    words.insert(words.end(), more.begin(), more.end());
-    const Ran r = run_words(words);
-    return r.code == 2 && contains(r.err, more[0]);
-  };
-  CHECK(refused({"--landmarks", "--model-landmarks"}));
-  CHECK(refused({"--box-of", "opencv"}));
-  CHECK(refused({"--marker-exclusion-px", "4"}));
-  CHECK(refused({"--cues", ""}));
-  CHECK(refused({"--cues", "patches"}));
-  for (const char* cues : {"flow", "flow,edge", "edge,flow"}) CHECK(refused({"--cues", cues}));
-  for (const char* cues : {"edge", "patch,edge", "patch,flow", "patch,flow,edge"}) {
-    CHECK(refused({"--cues", cues, "--profile", "s"}));
-    CHECK_FALSE(refused({"--cues", cues}));
-  }
-  CHECK_FALSE(refused({"--cues", "patch", "--profile", "s"}));
-  CHECK(refused({"--mesh-operations", "4", "--profile", "s"}));
-  CHECK_FALSE(refused({"--mesh-operations", "0", "--profile", "s"}));
-  CHECK_FALSE(refused({"--mesh-operations", "4", "--profile", "m"}));
-}
-
-TEST_CASE("a focal length that hardly a camera has is told of, in one line") {
-  const Sequence s;
-  const struct {
-    const char *focal, *said;
-  } cases[] = {{"4", "--focal 4 is implausibly short for pictures of 200x160 pixels"},
-               {"40000", "--focal 40000 is implausibly long for pictures of 200x160 pixels"},
-               {"60", ""},
-               {"3000", ""}};
-  for (const auto& c : cases) {
-    CAPTURE(c.focal);
-    auto words = s.track_words();
-    words.back() = c.focal;
-    words.insert(words.end(), {"--count", "1"});
-    const Ran track = run_words(words);
-    const Ran fit = run_words(
-        {"fit", s.model, "--points", s.points, "--size", "200x160", "--focal", c.focal, "-o", s / "f.json"});
-    const Ran found = run_words({"track", PLIANT_DETECTING_FACE, "--frames", s.video, "--count", "1",
-                                 "--focal", c.focal, "--out", s / "t.csv"});
-    for (const Ran& r : {track, fit, found}) {
-      CAPTURE(r.err);
-      CHECK(contains(r.err, "implausibly") == (*c.said != '\0'));
-      CHECK(contains(r.err, c.said));
-    }
-  }
-}
-
 TEST_CASE("points that are mirrored start no track, and the message asks whether they are") {
   const Sequence s;
   std::istringstream in(s.first_points());

@@ -47,7 +47,11 @@ TEST_CASE("each defect of an OBJ file is one line that names the file and the li
   CHECK(neutral_error(swapped(good, "v 5.000000 ", "v 5.000000e-60 ")) == "");  // less than any float: 0
   CHECK(neutral_error(swapped(good, "v 5.000000 ", "v 5e60 ")) == neutral + ":35: '5e60' is not a number");
   CHECK(neutral_error("") == neutral + ": holds no vertices");
-  CHECK(neutral_error("v 1 2\n") == neutral + ":1: '' is not a number");
+  const std::string vertex = ":1: the vertex, which has three numbers x y z, lacks ";
+  CHECK(neutral_error("v 1 2\n") == neutral + vertex + "z");
+  CHECK(neutral_error("v 1 # 2 3\n") == neutral + vertex + "y");
+  CHECK(neutral_error("v") == neutral + vertex + "x");
+  CHECK(neutral_error("vt\n") == neutral + ":1: the texture coordinate, which has two numbers u v, lacks u");
   CHECK(neutral_error("v 1 2 nan\n") == neutral + ":1: 'nan' is not a number");
   CHECK(neutral_error("v 1 2 3\n") == neutral + ": holds no faces");
   CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/\n")) ==

@@ -1,0 +1,20 @@
+cmake_minimum_required(VERSION 3.22)
+# Options that cannot do what they ask for end the configuration with a line that says why.
+# Run as: cmake -DBUILD=... -DSOURCE=... -DGENERATOR=... -DCXX=... -DCXX_ID=... -P options.cmake
+set(work ${BUILD}/options)
+function(refused pattern)
+  file(REMOVE_RECURSE ${work})
+  execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${work} -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${CXX} ${ARGN}
+    RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE out)
+  if(result EQUAL 0 OR NOT out MATCHES "${pattern}")
+    message(FATAL_ERROR "${ARGN}: ${result}\n${out}")
+  endif()
+endfunction()
+foreach(option PLIANT_FUZZERS PLIANT_BENCHMARKS)
+  foreach(missing PLIANT_TESTS PLIANT_HOST)
+    refused("${option}=ON needs PLIANT_HOST=ON and[ \n]+PLIANT_TESTS=ON" -D${option}=ON -D${missing}=OFF)
+  endforeach()
+endforeach()
+if(NOT CXX_ID MATCHES "Clang")
+  refused("PLIANT_FUZZERS=ON needs Clang" -DPLIANT_FUZZERS=ON)
+endif()
