@@ -31,7 +31,7 @@ void check(const BakeOptions& options) {
   if (options.modes < 0 || options.modes > 64) throw SourceError("--modes", 0, "must be from 1 to 64");
   if (!(options.stiffness >= 1e-4f && options.stiffness <= 1e4f))
     throw SourceError("--stiffness", 0, "must be from 0.0001 to 10000");
-  if (options.stretch > 0 && !(options.stretch >= 1e-4f && options.stretch <= 1))
+  if (options.stretch > 0 && !(options.stretch >= kLeastStretch && options.stretch <= 1))
     throw SourceError("--stretch", 0, "must be from 0.0001 to 1, or 0");
 }
 

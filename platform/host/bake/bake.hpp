@@ -15,6 +15,8 @@ namespace pliant::host::bake {
 /// Standard deviation of lengths on a surface with bending modes, a fraction. Chosen on the film of tests/bench/sheet_film.py with
 /// motion A.
 constexpr float kBendingStretch = 0.03f;
+/// Smallest standard deviation of the springs' lengths, as a fraction.
+constexpr float kLeastStretch = 1e-4f;
 
 /// Range of the unit of OBJ files, mm: a nanometre to a kilometre. What a unit makes of a surface is checked with the surface.
 constexpr float kLeastUnitMm = 1e-6f, kMostUnitMm = 1e6f;

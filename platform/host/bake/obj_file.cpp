@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <string_view>
@@ -20,6 +21,10 @@ constexpr std::streamoff kMostBytes = std::streamoff{1} << 28;  // bounds the me
 class ObjReader {
  public:
   explicit ObjReader(const std::string& path) : path_(path) {
+    std::error_code ignored;
+    if (const auto kind = std::filesystem::status(path, ignored).type();
+        kind == std::filesystem::file_type::fifo)
+      throw SourceError(path, 0, "is a pipe, not a file");
     std::ifstream in(path, std::ios::binary | std::ios::ate);
     const auto size = in ? static_cast<std::streamoff>(in.tellg()) : -1;
     if (size < 0) throw SourceError(path, 0, "cannot be read");

@@ -231,8 +231,10 @@ class FolderReader {
       scans.push_back(placed(read_obj_like(path, rest_)));
       report_progress(scans.size());
     }
-    if (scans.size() < 2 || at(options_.components) >= scans.size())
-      throw SourceError(folder_.empty() ? files_.front() : folder_, 0,
+    const std::string& source = is_one_file_ ? files_.front() : folder_;
+    if (scans.size() < 2) throw SourceError(source, 0, "has one scan, and --pca needs at least two");
+    if (at(options_.components) >= scans.size())
+      throw SourceError(source, 0,
                         std::to_string(scans.size()) + " scans have at most " +
                             std::to_string(scans.size() - 1) + " components");
     PrincipalComponents pca = find_components(scans, options_.components);

@@ -47,6 +47,22 @@ ShownSide side_shown(const Source& source) {
   return area < -kRounding * all ? ShownSide::back : ShownSide::front;
 }
 
+/// Whether the triangles are one point or line with these vertices: their area is rounding.
+template <class Vector, class Area>
+bool has_no_area(const Source& source, const std::vector<Vector>& vertices, Area&& area) {
+  constexpr double kRounding = 1e-6;  // of the box's diagonal, squared
+  BoundingBox<Vector> box;
+  double sum = 0;
+  for (std::size_t k = 0; k < source.triangles.size(); ++k) {
+    if (k < source.is_hole.size() && source.is_hole[k] != 0) continue;
+    const auto p = [&](std::size_t corner) { return vertices[at(source.triangles[k][corner])]; };
+    for (std::size_t corner = 0; corner < 3; ++corner) box.add(p(corner));
+    sum += static_cast<double>(area(p(1) - p(0), p(2) - p(0)));
+  }
+  const auto diagonal = static_cast<double>(length(box.size()));
+  return sum <= kRounding * diagonal * diagonal;
+}
+
 }  // namespace
 
 void check_source(const Source& source, const std::string& file) {
@@ -68,6 +84,10 @@ void check_source(const Source& source, const std::string& file) {
     for (std::size_t i = 0; i < k; ++i)
       if (source.landmarks[i].name == l.name) fail("the landmark '" + l.name + "' appears twice");
   }
+  if (has_no_area(source, source.uv, [](Vec2 a, Vec2 b) { return magnitude(a.x * b.y - a.y * b.x); }))
+    fail("has no area in the chart: all (u,v) are in a point or a line");
+  if (has_no_area(source, source.neutral, [](Vec3 a, Vec3 b) { return length(cross(a, b)); }))
+    fail("has no area: all vertices are in a point or a line");
   for (const SourceParameter& p : source.parameters)
     if (is_track_column(p.name))
       fail("the parameter '" + p.name + "' has the name of another column of a track: rename it");

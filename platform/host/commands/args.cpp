@@ -64,7 +64,9 @@ std::vector<std::string> backwards(const std::vector<std::string>& words,
   for (auto word = words.rbegin(); word != words.rend(); ++word) {
     const auto option = option_of(*word);
     const bool has_value = option != options.end() && option->value != nullptr;
-    if (has_value && *word == option->name && !out.empty() && option_of(word[-1]) != options.end())
+    if (has_value && *word == option->name && out.empty())
+      fail_usage(*word + " lacks its value " + option->value);
+    if (has_value && *word == option->name && option_of(word[-1]) != options.end())
       fail_usage(*word + " lacks its value: " + word[-1] + " is another option");
     if (has_value && *word == option->name + std::string("="))
       out.insert(out.end(), {"", option->name});
@@ -109,6 +111,7 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
     if (option.value != nullptr && option.takes != Takes::texts && texts(option.name).size() > 1)
       fail_usage(std::string(option.name) + " is given more than once");
   if (operands_.size() < operands) fail_usage("an operand is missing");
+  if (std::find(operands_.begin(), operands_.end(), "") != operands_.end()) fail_usage("an operand is empty");
   check_files(options);
 }
 

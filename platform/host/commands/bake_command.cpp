@@ -53,6 +53,8 @@ bake::BakeOptions bake_options(const Args& args) {
   options.modes = args.integer("--modes", 0, 1, 64);
   options.stiffness = static_cast<float>(args.number("--stiffness", 1, 1e-4, 1e4));
   options.stretch = static_cast<float>(args.number("--stretch", -1, 0, 1));
+  if (options.stretch > 0 && options.stretch < bake::kLeastStretch)
+    fail_usage("--stretch must be 0, or from 0.0001 to 1: " + *args.text("--stretch"));
   options.texture = args.text("--texture").value_or("");
   options.choice = choice_of(args);
   options.learnt = args.text("--learnt").value_or("");

@@ -1,5 +1,7 @@
 #include "host/commands/image_fit.hpp"
 
+#include <algorithm>
+
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
 #include "host/io/words.hpp"
@@ -209,8 +211,10 @@ std::optional<GivenBox> box_of(const Args& args, const char* option) {
   else if (whose != "pliant")
     fail_usage("--box-of: pliant, opencv or landmarks, not " + whose);
   if (!box) return std::nullopt;
-  if (!((*box)[2] > 0 && (*box)[3] > 0))
-    fail_usage(std::string(option) + ": width and height must be positive");
+  if (!((*box)[2] >= 1 && (*box)[3] >= 1))
+    fail_usage(std::string(option) + ": width and height must be at least a pixel: " + *args.text(option));
+  if (std::any_of(box->begin(), box->end(), [](float x) { return magnitude(x) > kFarthestPx; }))
+    fail_usage(std::string(option) + ": a number is more than a million pixels: " + *args.text(option));
   return GivenBox{{(*box)[0], (*box)[1]}, {(*box)[2], (*box)[3]}, convention};
 }
 

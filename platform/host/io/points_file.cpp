@@ -10,7 +10,6 @@
 namespace pliant::host {
 
 namespace {
-constexpr float kFarthest = 1e6f;  // px; far outside every picture
 
 /// The (u,v) of a row, if it has one.
 std::optional<Vec2> parse_uv(const CsvTable& table, std::size_t row) {
@@ -35,7 +34,7 @@ std::vector<NamedPoint> parse_points(const std::string& source, const std::strin
                      {table.number(row, x), table.number(row, y)},
                      table.where(row),
                      parse_uv(table, row)};
-    if (magnitude(point.x.x) > kFarthest || magnitude(point.x.y) > kFarthest)
+    if (magnitude(point.x.x) > kFarthestPx || magnitude(point.x.y) > kFarthestPx)
       fail_input(point.where, "a position is more than a million pixels away");
     if (point.name.empty()) fail_input(point.where, "a landmark has no name");
     if (!names.insert(point.name).second)

@@ -10,6 +10,9 @@
 
 namespace pliant::host {
 
+/// Largest coordinate of a point that is taken, px; far outside every picture.
+constexpr float kFarthestPx = 1e6f;
+
 struct NamedPoint {
   std::string name;
   Vec2 x;                    ///< px

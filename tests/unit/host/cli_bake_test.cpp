@@ -249,8 +249,10 @@ TEST_CASE(
   check_refused(words, {"pipe.mtl: the picture of material 'a' cannot be read"});
 }
 
-TEST_CASE("a pipe among the OBJ files of a folder is none of them: nothing waits for it") {
+TEST_CASE("a pipe as an OBJ file is refused, and among those of a folder it is none: nothing waits for it") {
   const ObjFolder folder;
+  REQUIRE(::mkfifo((folder / "pipe.obj").c_str(), 0600) == 0);
+  check_refused({"bake", folder / "pipe.obj", "-o", folder / "m.plm"}, {"pipe.obj: is a pipe, not a file"});
   REQUIRE(::mkfifo((folder.folder + "/pipe.obj").c_str(), 0600) == 0);
   CHECK(
       run_words({"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60", "--size", "16"}).code ==

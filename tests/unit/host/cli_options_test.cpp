@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "cli_run.hpp"
+#include "host/io/image.hpp"
 
 namespace cli_options_test {
 
@@ -60,6 +61,34 @@ TEST_CASE("a track by edges of a model that has no curves says so") {
   CHECK_FALSE(contains(run_words(words).err, "--cues"));
 }
 
+TEST_CASE("a box that is smaller than a pixel, or beyond a million, is refused as such") {
+  const Sequence s;
+  const std::string picture = s / "picture.png";
+  write_file(picture, encode_png(Image(64, 64, 1, 128)));
+  for (const char* box :
+       {"0,0,1e30,1e30", "-1e7,0,9,9", "9,9,1e-30,1e-30", "9,9,0.5,9", "9,9,9,-9", "9,9,0,0"}) {
+    CAPTURE(box);
+    const std::vector<std::vector<std::string>> commands{
+        {"track", s.model, "--frames", s.video, "--out", s / "t.csv", "--box", box},
+        {"fit", s.model, "--image", picture, "-o", s / "f.json", "--box", box},
+        {"points", s.model, "--image", picture, "-o", s / "p.html", "--start", box}};
+    for (const auto& words : commands) {
+      const Ran r = run_words(words);
+      CHECK(r.code == 2);
+      CHECK(contains(r.err, words[6] + ": "));
+      CHECK(contains(r.err, std::string(": ") + box + "\n"));
+    }
+  }
+}
+
+TEST_CASE("an operand that is empty is bad usage, as where a variable of a script is empty") {
+  for (const auto& words : {std::vector<std::string>{"info", ""}, {"bake", "", "-o", "x.plm"}}) {
+    const Ran r = run_words(words);
+    CHECK(r.code == 2);
+    CHECK(contains(r.err, ": an operand is empty\n"));
+  }
+}
+
 TEST_CASE("a focal length that hardly a camera has is told of, in one line") {
   const Sequence s;
   const struct {
@@ -105,6 +134,8 @@ TEST_CASE(
   }
   CHECK_FALSE(folder.has("x.plm"));
   CHECK(run_words(with("--identities", "0")).code == 0);
+  CHECK(run_words(with("--stretch", "0.00009")).code == 2);
+  CHECK(run_words(with("--stretch", "0.0001")).code == 0);
   auto bending = with("--expressions", "1");
   bending.insert(bending.end(), {"--modes", "2"});
   CHECK(run_words(bending).code == 0);

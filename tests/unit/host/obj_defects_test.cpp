@@ -52,6 +52,14 @@ TEST_CASE("each defect of an OBJ file is one line that names the file and the li
   CHECK(neutral_error("v 1 # 2 3\n") == neutral + vertex + "y");
   CHECK(neutral_error("v") == neutral + vertex + "x");
   CHECK(neutral_error("vt\n") == neutral + ":1: the texture coordinate, which has two numbers u v, lacks u");
+  const std::string triangle = "vt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n",
+                    corners = "v 0 0 0\nv 9 0 0\nv 9 9 0\n";
+  CHECK(neutral_error(corners + triangle) == "");
+  for (const char* vertices : {"v 1 1 1\nv 1 1 1\nv 1 1 1\n", "v 0 0 0\nv 1 1 1\nv 3 3 3\n"})
+    CHECK(neutral_error(vertices + triangle) ==
+          d.folder.path.string() + ": has no area: all vertices are in a point or a line");
+  CHECK(neutral_error(corners + "vt 0 0\nvt 0 0\nvt 0 0\nf 1/1 2/2 3/3\n") ==
+        d.folder.path.string() + ": has no area in the chart: all (u,v) are in a point or a line");
   CHECK(neutral_error("v 1 2 nan\n") == neutral + ":1: 'nan' is not a number");
   CHECK(neutral_error("v 1 2 3\n") == neutral + ": holds no faces");
   CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/\n")) ==
