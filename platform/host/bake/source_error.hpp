@@ -4,8 +4,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "pliant/model.hpp"
-
 namespace pliant::host::bake {
 
 /// "`file`:`line`: `what`", or "`file`: `what`" with line 0. Thrown by the functions that read and bake a source; `bake`
@@ -16,13 +14,8 @@ class SourceError : public std::runtime_error {
       : std::runtime_error(file + (line > 0 ? ":" + std::to_string(line) : "") + ": " + what) {}
 };
 
-/// Throws if the name of a parameter, landmark or curve is empty or too long for a table.
-inline void check_name(const std::string& file, int line, const std::string& name) {
-  if (name.empty()) throw SourceError(file, line, "a name is empty");
-  if (name.size() >= table::kNameBytes)
-    throw SourceError(
-        file, line,
-        "the name '" + name + "' is longer than " + std::to_string(table::kNameBytes - 1) + " letters");
-}
+/// Throws if the name of a parameter, landmark or curve is empty, too long for a table, or one that CSV and JSON files do not give
+/// back: not UTF-8, with control characters, or with blanks at an end.
+void check_name(const std::string& file, int line, const std::string& name);
 
 }  // namespace pliant::host::bake

@@ -112,6 +112,33 @@ TEST_CASE("bake refuses OBJ names that do not fit or are there twice, and writes
   CHECK(folder.temporary_count() == 0);
 }
 
+TEST_CASE("bake refuses names that its tables cannot give back, in one line") {
+  const ObjFolder folder;
+  const std::vector<std::string> words = {"bake",        folder.folder, "-o",     folder / "m.plm",
+                                          "--base-mesh", "60",          "--size", "16"};
+  for (const auto& [name, what] : {std::pair{"a\nb", "'a?b' has a control character"},
+                                   {" a", "' a' begins or ends with a blank"},
+                                   {"a\xff", "' is not in UTF-8"},
+                                   {"\xed\xa0\x80", "' is not in UTF-8"},
+                                   {"\xc0\xaf", "' is not in UTF-8"},
+                                   {"a\xe2\x82", "' is not in UTF-8"}}) {
+    CAPTURE(what);
+    const std::string path = folder.folder + "/" + name + ".obj",
+                      landmarks = folder.folder + "/landmarks.csv";
+    fs::copy(folder.folder + "/flap.obj", path);
+    check_refused(words, {folder.folder, ".obj: the name '", what});
+    fs::remove(path);
+    write_file(landmarks, "landmark,vertex\n\"" + std::string(name) + "\",0\n");
+    if (*name != ' ' && name[1] != '\n') check_refused(words, {"landmarks.csv: line 2: the name '", what});
+    fs::remove(landmarks);
+  }
+  CHECK_FALSE(folder.has("m.plm"));
+  for (const char* name : {"f\xc3\xbcnf", "\xe2\x82\xac", "\xf0\x9f\x98\x80", "a,b", "a\"b", "a b"})
+    fs::copy(folder.folder + "/flap.obj", folder.folder + "/" + name + ".obj");
+  CHECK(run_words(words).code == 0);
+  CHECK(ModelFile(folder / "m.plm").model().find_parameter("f\xc3\xbcnf") != kNone);
+}
+
 TEST_CASE("bake prints the error of the table against its source, and of each parameter on request") {
   const ObjFolder folder;
   const Ran r = run_words({"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60", "--errors"});
