@@ -214,6 +214,8 @@ Calibration parse_calibration(const std::string& source, const std::string& text
   if (!(out.off_px <= 0.01f * static_cast<float>(size.width)))
     fail_input(source, "two radial coefficients do not describe this lens: the error is " +
                            number_text(static_cast<double>(out.off_px)) + " px");
+  if (!is_possible(Pose{}, camera))
+    fail_input(source, "'camera_matrix' has a focal length or a principal point that no camera has");
   Lens lens;
   if (Lens::make(camera, size.width, size.height, &lens) != Status::ok)
     fail_input(source, "the distortion cannot be inverted over the whole picture");

@@ -143,7 +143,9 @@ FitFile parse_fit(const std::string& source, const std::string& text) {
   fit.width = static_cast<int>(root.number("width", 1, 65535));
   fit.height = static_cast<int>(root.number("height", 1, 65535));
   const Members camera(root.where("camera"), root.find("camera"));
-  fit.camera = {camera.number("f", 1e-3f, 1e7f), camera.number("cx"), camera.number("cy")};
+  constexpr float kMost = kLargestFocalPx;
+  fit.camera = {camera.number("f", kSmallestFocalPx, kMost), camera.number("cx", -kMost, kMost),
+                camera.number("cy", -kMost, kMost)};
   if (camera.find("k1") != nullptr) fit.camera.k1 = camera.number("k1");
   if (camera.find("k2") != nullptr) fit.camera.k2 = camera.number("k2");
   if (camera.find("aspect") != nullptr) fit.camera.aspect = camera.number("aspect", kLeastAspect, kMostAspect);

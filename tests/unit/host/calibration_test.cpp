@@ -102,6 +102,7 @@ TEST_CASE("files without a calibration are refused with a message that names the
       {"rows: 3", "rows: 1e18", "out of range"},
       {"0., 3.2512e+02", "0.7, 3.2512e+02", "is not [fx 0 cx; 0 fy cy; 0 0 1]"},
       {"5.1e+02", "-5.1e+02", "is not [fx 0 cx; 0 fy cy; 0 0 1]"},
+      {"3.2512e+02", "1e8", "a focal length or a principal point that no camera has"},
       {"5.1e+02", "nan", "not a number"},
       {"5.1e+02", "", "not a number"},
       {"0., 0., 1. ]", "0., 0., 1.", ""},

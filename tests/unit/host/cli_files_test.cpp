@@ -64,6 +64,9 @@ TEST_CASE("fit.json keeps every bit, and errors in it are named") {
   CHECK(contains(complaint("\"width\": 321", "\"width\": \"321\""), "'width'"));
   CHECK(contains(complaint("\"width\": 321", "\"width\": 0"), "'width'"));
   CHECK(contains(complaint("\"f\":333", "\"f\":-333"), "'f'"));
+  for (const char* centre : {"cx", "cy"})
+    CHECK(contains(complaint('"' + std::string(centre) + "\":", '"' + std::string(centre) + "\":1e8,\"no\":"),
+                   "'camera': '" + std::string(centre) + "': is out of range"));
   CHECK(contains(complaint("612.34", "-612.34"), "'t'"));
   CHECK(contains(complaint("612.34", "0.001"), "between 50 mm and 100 m"));
   CHECK(contains(complaint("612.34", "1e9"), "between 50 mm and 100 m"));
