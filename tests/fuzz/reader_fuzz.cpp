@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -147,6 +148,7 @@ void read_arguments(const std::string& text) {
                                     {"--box", "X,Y,W,H", ""},
                                     {"--flag", nullptr, ""},
                                     {"--param", "NAME=VALUE", "", Takes::texts},
+                                    {"--cues", "LIST", ""},
                                     {"-i", "CSV", "", Takes::input},
                                     {"-o", "PNG", "", Takes::output}};
   const Args args(words, options, 1, 1);
@@ -156,6 +158,10 @@ void read_arguments(const std::string& text) {
   if (const auto size = args.size("--size"))
     require(size->width >= 16 && size->height >= 16 && size->width <= kMaxFrameSide &&
             size->height <= kMaxFrameSide);
+  const std::vector<std::string> names = args.list("--cues");
+  require(args.has("--cues") != names.empty());
+  const std::set<std::string> different(names.begin(), names.end());
+  require(different.size() == names.size() && different.count("") == 0);
   if (const auto box = args.numbers("--box", 4)) require(box->size() == 4);
 }
 
