@@ -61,9 +61,6 @@ Alignments begin(TrackerParts& t, const FrameView& frame) {
   return {t, frame, detection, aligner, own};
 }
 
-/// Result of an alignment in a bad frame: no face; the tracked person; another person, whose track has begun.
-enum class Found { nowhere, here, begun_anew };
-
 FaceBox box_of(const TrackerParts& t, const AlignedFace& face, Span<const Vec2> landmarks) {
   return box_at_landmarks(t.model(), view_of(face.pose, face.camera).s, places_of(landmarks));
 }
@@ -76,41 +73,44 @@ float distance_between(const TrackerParts& t, Span<const Vec2> a, Span<const Vec
 /// Aligns from the last good pose. If the result is away from there, or not right, the mean face is aligned in its box, too. Where
 /// that comes out elsewhere, and is far more certain, the next frame begins there (find_at).
 /// \param face  out: the first alignment; its parameters and landmarks are in the room of the search.
-Found find_near(const Alignments& a, AlignedFace* face) {
+/// \param used_mean  out: the mean face was aligned.
+Realigned find_near(const Alignments& a, AlignedFace* face, bool* used_mean) {
   TrackerParts& t = a.t;
   const Span<const Vec2> landmarks = a.room().landmarks;
   if (a.align(pose_of(t.estimator.view()), face) != Status::ok || face->score < kTuning.least_seen_score)
-    return Found::nowhere;
+    return Realigned::nowhere;
   const float moved = distance_from_track(t, landmarks);  // negative: a landmark was behind the camera
-  if (is_right(*face) && moved >= 0 && moved <= kTuning.most_distance) return Found::here;
+  if (is_right(*face) && moved >= 0 && moved <= kTuning.most_distance) return Realigned::here;
+  *used_mean = true;
   AlignedFace mean;
-  if (a.align_in(box_of(t, *face, landmarks), a.own, &mean) != Status::ok) return Found::nowhere;
+  if (a.align_in(box_of(t, *face, landmarks), a.own, &mean) != Status::ok) return Realigned::nowhere;
   const float distance = distance_between(t, a.own.landmarks, landmarks);
   if (distance > kTuning.most_distance && mean.score >= kTuning.least_sure_score &&
       mean.landmark_error <= kTuning.sure_error_ratio * face->landmark_error) {
     a.detection.look->suspected = box_of(t, mean, a.own.landmarks);
-    return Found::nowhere;
+    return Realigned::nowhere;
   }
-  return is_right(*face) && distance <= kTuning.most_disagreement ? Found::here : Found::nowhere;
+  return is_right(*face) && distance <= kTuning.most_disagreement ? Realigned::here : Realigned::nowhere;
 }
 
 /// Aligns the mean face in the box that find_near found for it in the frame before. If it has stayed there, it is the known person,
 /// who is then aligned from its pose, or another one, with whom a new track begins.
-Found find_at(const FaceBox& box, const Alignments& a, AlignedFace* face) {
+Realigned find_at(const FaceBox& box, const Alignments& a, AlignedFace* face) {
   TrackerParts& t = a.t;
   AlignedFace mean;
   if (a.align_in(box, a.own, &mean) != Status::ok || mean.score < kTuning.least_sure_score ||
       !is_right(mean) ||
       !is_same(box, box_of(t, mean, a.own.landmarks), kTuning.most_box_shift, kTuning.most_box_ratio))
-    return Found::nowhere;
+    return Realigned::nowhere;
   copy(a.own.q, t.model().parameters().count, a.room().q);
   if (a.detection.face_search.is_another(mean)) {
     copy(a.own.landmarks.data, a.own.landmarks.count, a.room().landmarks.data);
-    return begin_soon(t, a.frame, {mean, false, a.frame.time_ns}) ? Found::begun_anew : Found::nowhere;
+    return begin_soon(t, a.frame, {mean, false, a.frame.time_ns}) ? Realigned::begun_anew
+                                                                  : Realigned::nowhere;
   }
   const bool is_there = a.align(mean.pose, face) == Status::ok && is_right(*face) &&
                         distance_between(t, a.own.landmarks, a.room().landmarks) <= kTuning.most_disagreement;
-  return is_there ? Found::here : Found::nowhere;
+  return is_there ? Realigned::here : Realigned::nowhere;
 }
 
 /// Whether it is somebody else who is tracked.
@@ -119,13 +119,18 @@ bool is_another(const Alignments& a, AlignedFace* face) {
          a.detection.face_search.is_another(*face);
 }
 
+/// An alignment whose parameters are in the room of the search.
+State state_of(TrackerParts& t, const AlignedFace& face) {
+  State state;
+  state.pose = face.pose;
+  state.q = face_detection_of(t).face_search.room().q;
+  return state;
+}
+
 /// Ends a bad frame as a tracked one: its state is that of an alignment.
 bool take(TrackerParts& t, const AlignedFace& face) {
   FaceDetectionState& detection = face_detection_of(t);
-  State measured;
-  measured.pose = face.pose;
-  measured.q = detection.face_search.room().q;
-  if (t.estimator.accept(measured, &t.result) != Status::ok) return false;
+  if (t.estimator.accept(state_of(t, face), &t.result) != Status::ok) return false;
   t.key_frames.trust(t.estimator);
   t.progress.bad_frames = 1;  // in a row: the templates may fail as long as they like
   detection.checks.see();
@@ -135,17 +140,40 @@ bool take(TrackerParts& t, const AlignedFace& face) {
 
 }  // namespace
 
-bool realign(TrackerParts& t, const FrameView& frame) {
-  const Alignments alignments = begin(t, frame);
-  FaceDetectionState& detection = alignments.detection;
-  SecondLookState& look = *detection.look;
+SearchFrom align_ahead(TrackerParts& t, const FrameView& frame) {
+  SecondLookState& look = *face_detection_of(t).look;
+  look.ahead = Realigned::untried;
+  const int bad = t.progress.bad_frames;
+  if (bad > 0 && look.suspected.side > 0) return SearchFrom::nowhere;
+  if (bad != 1 || look.realigned == 0) return SearchFrom::prediction;  // the last frame was not aligned
+  if (look.realigned + 1 >= kTuning.most_frames) return SearchFrom::nowhere;
   look.stop(t.budget);  // the aligner is needed here
-  const FaceBox suspected = look.suspected;
-  look.suspected = {};
-  AlignedFace face;
-  const Found found =
-      suspected.side > 0 ? find_at(suspected, alignments, &face) : find_near(alignments, &face);
-  if (found != Found::here) return found == Found::begun_anew;
+  t.budget.give_half_to(t.budget.second_look);
+  bool used_mean = false;
+  look.ahead = find_near(begin(t, frame), &look.face_ahead, &used_mean);
+  if (used_mean) return SearchFrom::nowhere;
+  return look.ahead == Realigned::here ? SearchFrom::alignment : SearchFrom::prediction;
+}
+
+void move_to_alignment(TrackerParts& t) {
+  // A pose that the estimator refuses, as `take` would, leaves its prediction.
+  static_cast<void>(t.estimator.restore(state_of(t, face_detection_of(t).look->face_ahead)));
+}
+
+bool realign(TrackerParts& t, const FrameView& frame) {
+  SecondLookState& look = *face_detection_of(t).look;
+  AlignedFace face = look.face_ahead;
+  Realigned found = look.ahead;
+  look.stop(t.budget);  // the aligner is needed here
+  const Alignments alignments = begin(t, frame);
+  if (found == Realigned::untried) {
+    const FaceBox suspected = look.suspected;
+    look.suspected = {};
+    bool used_mean = false;
+    found =
+        suspected.side > 0 ? find_at(suspected, alignments, &face) : find_near(alignments, &face, &used_mean);
+  }
+  if (found != Realigned::here) return found == Realigned::begun_anew;
   if (!take(t, face)) return false;
   if (++look.realigned < kTuning.most_frames) return true;
   AlignedFace other;

@@ -41,6 +41,15 @@ struct RealignmentTuning {
 };
 inline constexpr RealignmentTuning kRealignmentTuning{};
 
+/// Begins the frame after one that `realign` has made good, as long as no new track is due: aligns the face as `realign` does. If
+/// it is where it was, templates are searched for from there, at full size: once instead of twice, and they come back sooner. If
+/// the mean face had to be aligned, too, or the frame begins elsewhere (SecondLookState::suspected), they are left out: that
+/// is work enough for a frame (docs/experiments.md, Alignment before templates). Takes half of the budget.
+/// \pre nothing has taken memory of this frame. `realign` ends the frame if it is bad.
+SearchFrom align_ahead(TrackerParts& tracker, const FrameView& frame);
+/// Begins the searches where align_ahead has the face. \pre it has returned SearchFrom::alignment, and the estimator the frame.
+void move_to_alignment(TrackerParts& tracker);
+
 /// Ends a bad frame: aligns the face from the last good pose, with the person held. If that is right, the frame counts as
 /// tracked; after many such frames a new track begins, of the same person or of another one. If it is not, but the mean face is
 /// seen surely elsewhere in its box, the next bad frame begins there.

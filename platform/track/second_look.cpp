@@ -161,6 +161,7 @@ bool is_after_cut(const TrackerParts& t) {
 
 }  // namespace
 
-const SecondLook kSecondLook{lay_out, alignment_bytes, begin_track, conclude, resume, is_over, is_after_cut};
+const SecondLook kSecondLook{lay_out, alignment_bytes, begin_track, conclude,         resume,
+                             is_over, is_after_cut,    align_ahead, move_to_alignment};
 
 }  // namespace pliant

@@ -8,6 +8,7 @@
 #include "pliant/face_aligner.hpp"
 #include "pliant/tracker_limits.hpp"
 #include "track/face_modules.hpp"
+#include "track/template_matcher.hpp"
 
 namespace pliant {
 
@@ -56,6 +57,9 @@ struct NextTrack {
   std::int64_t time_ns = 0;     // of the frame
 };
 
+/// Result of the alignments of a bad frame: none was made; no face; the tracked person; another person, whose track has begun.
+enum class Realigned : std::uint8_t { untried, nowhere, here, begun_anew };
+
 /// What a tracker keeps for its second looks. In the arena, if the limits name them.
 struct SecondLookState {
   const FaceModules* modules = nullptr;
@@ -68,6 +72,8 @@ struct SecondLookState {
   int agreed = 0;                           // looks in a row that found better landmarks
   int averaged = 0;                         // looks in the mean of the landmarks, beside the start
   int realigned = 0;                        // frames since the last good one that `realign` has made good
+  Realigned ahead = Realigned::untried;     // what this frame's alignment gave before its templates
+  AlignedFace face_ahead;                   // whose parameters are in the room of the search
   FaceBox suspected;  // where `realign` goes on after the bad frame before; side 0: at the last good place
   NextTrack next;     // which the next frame begins
   // FaceDetectionState::parts; that is null until a new track has all its templates.
@@ -103,6 +109,9 @@ struct SecondLook {
   /// Whether this frame shows another picture than the last good one, which templates have matched: they would match by chance, and
   /// `conclude` aligns the frame.
   bool (*is_after_cut)(const TrackerParts& tracker);
+  /// Begins a frame of a track, before it takes memory: align_ahead and move_to_alignment of realignment.hpp.
+  SearchFrom (*begin_frame)(TrackerParts& tracker, const FrameView& frame);
+  void (*move_to_alignment)(TrackerParts& tracker);
 };
 
 }  // namespace pliant

@@ -60,8 +60,9 @@ void TemplateMatcher::start(bool uses_frame_to_frame) {
   innovation_px_ = later_innovation_px_ = coarse_px_ = kUnknownPx;
 }
 
-void TemplateMatcher::begin_frame(std::uint32_t frame, bool is_trusted, float coarse_px) {
+void TemplateMatcher::begin_frame(std::uint32_t frame, bool is_trusted, float coarse_px, SearchFrom from) {
   frame_ = frame;
+  is_aligned_ = from == SearchFrom::alignment;
   is_trusted_ = is_trusted;
   coarse_px_ = coarse_px;
   had_first_pass_ = false;
@@ -169,7 +170,10 @@ PatchOptions TemplateMatcher::search_options(const Template& point, bool is_pend
   const bool is_after_first_pass = is_pending && round > 0;
   // The position of a point that was not found in the last frame is not known before the first pass.
   const bool is_known = point.was_found || !is_pending;
-  options.first_level = !is_known || is_after_first_pass ? -1 : round == 0 ? first_level() : 0;
+  options.first_level = is_aligned_                        ? 0
+                        : !is_known || is_after_first_pass ? -1
+                        : round == 0                       ? first_level()
+                                                           : 0;
   options.start_sd_px =
       is_known ? kPerAxis * (is_after_first_pass ? later_innovation_px_ : innovation_px_) : 0;
   options.max_move_px = scaled_px(frame_width_, is_pending ? kTuning.first_reach_px : kTuning.later_reach_px);

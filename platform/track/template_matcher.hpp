@@ -29,6 +29,10 @@ struct MatchFrame {
   KeyDepths depths = {};  ///< of the estimator's view
 };
 
+/// Where the searches of a frame begin: where the filter expects the face; where an alignment of this frame has it, from which they
+/// go on once, at full size; or there are none.
+enum class SearchFrom : std::uint8_t { prediction, alignment, nowhere };
+
 /// Matches the templates of a store, frame by frame: begin_frame, perhaps run_first_pass, rounds of match, end_frame.
 class TemplateMatcher {
  public:
@@ -36,9 +40,10 @@ class TemplateMatcher {
   /// Before frame 1. \param uses_frame_to_frame  whether points may be tracked from the previous frame.
   void start(bool uses_frame_to_frame);
 
-  /// \param is_trusted        the last frame was tracked.
-  /// \param coarse_px  length of the coarse translation; kUnknownPx if none was found.
-  void begin_frame(std::uint32_t frame, bool is_trusted, float coarse_px);
+  /// \param is_trusted  the last frame was tracked.
+  /// \param coarse_px   length of the coarse translation; kUnknownPx if none was found.
+  void begin_frame(std::uint32_t frame, bool is_trusted, float coarse_px,
+                   SearchFrom from = SearchFrom::prediction);
   /// \param most_steps  of the searches of this frame, over which they end.
   void limit_steps(std::uint32_t most_steps) { most_steps_ = most_steps; }
   /// Matches a subset of the points, spread over the surface and another one in each frame, and lets the
@@ -84,7 +89,7 @@ class TemplateMatcher {
   std::size_t capacity_ = 0, count_ = 0;
   int frame_width_ = 0;    // px
   float half_window_ = 0;  // px
-  bool uses_frame_to_frame_ = false, is_trusted_ = false, had_first_pass_ = false;
+  bool uses_frame_to_frame_ = false, is_trusted_ = false, is_aligned_ = false, had_first_pass_ = false;
   std::uint32_t frame_ = 0;
   // Root mean square distance of points from where they were expected in the last frame, px: of those
   // searched for first, and of those after a first pass.

@@ -151,7 +151,7 @@ const FrameView& TrackerParts::quiet(const FrameView& view) {
 Status TrackerParts::track(const FrameView& view) {
   const Status status = predict(view);
   if (status != Status::ok) return status;
-  if (!progress.is_after_cut) match_and_solve(view);  // templates would match by chance
+  if (progress.search_from != SearchFrom::nowhere) match_and_solve(view);
   conclude();
   if (person != nullptr && progress.bad_frames == 0) limits.person->conclude(*this);
   if (detection != nullptr) detection->calls->conclude(*this, view);
@@ -181,18 +181,23 @@ void TrackerParts::note_work() {
 
 /// Where the model is expected, and the image there.
 Status TrackerParts::predict(const FrameView& view) {
+  const bool looks = detection != nullptr && detection->look != nullptr;
+  SearchFrom& from = progress.search_from;
+  from = looks ? limits.second_look->begin_frame(*this, view) : SearchFrom::prediction;
   ++progress.frame;
   key_frames.take(view);
   estimator.begin(view.time_ns);
-  const CoarseMotion motion = key_frames.find_motion(progress.bad_frames);
+  CoarseMotion motion;
+  if (from == SearchFrom::prediction) motion = key_frames.find_motion(progress.bad_frames);
   budget.work.coarse_pixels = motion.compared_pixels;
-  progress.is_after_cut = !motion.is_found && detection != nullptr && detection->look != nullptr &&
-                          limits.second_look->is_after_cut(*this);
+  if (from == SearchFrom::alignment) limits.second_look->move_to_alignment(*this);
+  if (from == SearchFrom::prediction && !motion.is_found && looks && limits.second_look->is_after_cut(*this))
+    from = SearchFrom::nowhere;  // templates would match by chance
   if (motion.from != nullptr) estimator.propose(*motion.from);
   if (motion.is_found) estimator.translate(motion.by_px);
   const bool is_trusted = progress.bad_frames == 0;
   matcher.begin_frame(progress.frame, is_trusted,
-                      motion.is_found && is_trusted ? length(motion.by_px) : kUnknownPx);
+                      motion.is_found && is_trusted ? length(motion.by_px) : kUnknownPx, from);
   limit_searches();
   limit_solves();
   region.advance();
@@ -203,7 +208,8 @@ Status TrackerParts::predict(const FrameView& view) {
 void TrackerParts::match_and_solve(const FrameView& view) {
   const int rounds = kTemplateMatchTuning.rounds;
   const bool has_first_pass = matcher.run_first_pass(match_frame(), estimator);
-  for (int round = has_first_pass ? 1 : 0; round < rounds; ++round) {
+  const int first = progress.search_from == SearchFrom::alignment ? rounds - 1 : has_first_pass ? 1 : 0;
+  for (int round = first; round < rounds; ++round) {
     // What parts of the surface do is read where the pose is known best.
     if (round + 1 == rounds && detection != nullptr && detection->calls->read_parts != nullptr)
       detection->calls->read_parts(*this, view);

@@ -58,7 +58,7 @@ struct TrackProgress {
   std::uint32_t last_kept = 0;  // frame that became a key frame
   int bad_frames = 0;           // in a row
   bool uses_edges = false;
-  bool is_after_cut = false;  // this frame: it shows another picture, which an alignment will look at
+  SearchFrom search_from = SearchFrom::prediction;  // in this frame
   /// What a start has left to the next frame, which does it first, in the picture of the frame before. May end the track, and
   /// sets what is left then. Null: nothing.
   void (*rest)(TrackerParts& tracker, const FrameView& frame) = nullptr;
