@@ -2,6 +2,7 @@
 // Films of a face in which templates fail from a frame on while alignment still sees it, and a tracker of them. Detection and
 // alignment are a fake that knows the truth.
 #include "fake_faces.hpp"
+#include "model_builder.hpp"
 #include "track/realignment.hpp"
 
 namespace bad_frames {
