@@ -122,7 +122,8 @@ TEST_CASE("bake refuses names that its tables cannot give back, in one line") {
                                    {"\xed\xa0\x80", "' is not in UTF-8"},
                                    {"\xc0\xaf", "' is not in UTF-8"},
                                    {"a\xe2\x82", "' is not in UTF-8"}}) {
-    CAPTURE(what);
+    const std::string told = what;  // a structured binding is no variable that CAPTURE may keep
+    CAPTURE(told);
     const std::string path = folder.folder + "/" + name + ".obj",
                       landmarks = folder.folder + "/landmarks.csv";
     fs::copy(folder.folder + "/flap.obj", path);
